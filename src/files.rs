@@ -1,0 +1,11 @@
+//! Files at the edge: reading with errors that name the place, and writing whole or not at all.
+
+mod error;
+mod output;
+mod table;
+mod text;
+
+pub use error::{InputError, suggest};
+pub use output::{OutputFolder, write_whole};
+pub use table::NumericTable;
+pub use text::{parse_toml, read_bytes, read_text, sha256_hex};

@@ -1,0 +1,80 @@
+//! The one error for input that a person can mend: file, place, value, remedy.
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+use std::path::Path;
+use thiserror::Error;
+
+/// What is wrong with an input, where, and what to do about it.
+///
+/// Shown with the offending line and a caret when the place is known.
+#[derive(Debug, Error, Diagnostic)]
+#[error("{file}: {message}")]
+pub struct InputError {
+    file: String,
+    message: String,
+    #[source_code]
+    text: Option<NamedSource<String>>,
+    #[label("here")]
+    span: Option<SourceSpan>,
+    #[help]
+    help: Option<String>,
+}
+
+impl InputError {
+    /// An error in the file (or other named input) as a whole.
+    pub fn new(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self {
+            file: file.as_ref().display().to_string(),
+            message: message.into(),
+            text: None,
+            span: None,
+            help: None,
+        }
+    }
+
+    /// Adds the remedy.
+    #[must_use]
+    pub fn remedy(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Adds the place: a byte range of the text, shown with line, column and caret.
+    #[must_use]
+    pub fn at(mut self, text: &str, range: std::ops::Range<usize>) -> Self {
+        let start = range.start.min(text.len());
+        let end = range.end.clamp(start, text.len());
+        self.text = Some(NamedSource::new(&self.file, text.to_owned()));
+        self.span = Some((start, end - start).into());
+        self
+    }
+
+    /// What is wrong, without file and remedy.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+}
+
+/// "did you mean `x`?" for a misspelt word, if one of the options is near enough.
+pub fn suggest<'a>(word: &str, options: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let near = |o: &&str| strsim::damerau_levenshtein(&word.to_lowercase(), &o.to_lowercase());
+    let best = options.into_iter().min_by_key(near)?;
+    let limit = (word.len().max(best.len()) / 3).max(1);
+    (near(&best) <= limit).then(|| format!("did you mean `{best}`?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions_are_near_or_absent() {
+        let keys = ["stature_m", "mass_kg", "facing_deg"];
+        assert_eq!(suggest("statur_m", keys).unwrap(), "did you mean `stature_m`?");
+        assert_eq!(
+            suggest("facing_degrees", ["facing_deg"]).unwrap(),
+            "did you mean `facing_deg`?"
+        );
+        assert!(suggest("colour", keys).is_none());
+    }
+}

@@ -1,0 +1,38 @@
+//! Plans the path of a collaborative robot so that the person holding on to it works in a
+//! healthy posture.
+//!
+//! The hand follows the robot, but the body is redundant: one hand path admits many postures, and
+//! every person resolves that freedom in their own way. ergopath therefore treats the posture as a
+//! *distribution*, learned from recorded movements, and ranks robot paths by the distribution of
+//! ergonomic scores that they would cause.
+//!
+//! # Data flow
+//!
+//! ```text
+//! train:  recording file ─ recording          ─► Recording          (segment poses over time)
+//!         ─ training::fit (human, kinematics)  ─► JointMotion        (joint angles of one body)
+//!         ─ training::dataset                  ─► Dataset            (q, xdot = J qdot, qdot)
+//!         ─ training::methods                  ─► PostureModel       ─ posture::file ─► models/posture/
+//!
+//! plan:   scenario file ─ scenario             ─► Scenario           (worker, robot, task, limits)
+//!         ─ path::candidate                    ─► Vec<Candidate>     (via-points -> TCP paths)
+//!         ─ path::project (qp)                 ─► TimedPath | why not
+//!         ─ robot                              ─► RobotMotion | why not
+//!         ─ posture::rollout                   ─► Rollouts           (sampled postures over time)
+//!         ─ human::pose, ergonomics            ─► Scores             (RULA, REBA per rollout and frame)
+//!         ─ planner                            ─► PlanResult         (ranked, compared, explained)
+//!         ─ report                             ─► result.json, CSV, PNG, report.html
+//! ```
+//!
+//! # Conventions
+//!
+//! SI units and radians inside; degrees appear only at the edge, in names that end in `_deg`.
+//! The world is right-handed with z up. Twists and task velocities are stacked linear first, then
+//! angular. Symbols: `n` joints, `m` task rows, `q` joint angles, `J` the m x n Jacobian, `W` the
+//! symmetric positive definite n x n weight matrix of the pseudo-inverse
+//! `J_W^+ = W J^T (J W J^T)^-1`.
+//!
+//! Modules import only modules on lower floors; `tests/layers.rs` holds the list and the guard.
+
+pub mod files;
+pub mod math;

@@ -1,0 +1,10 @@
+//! Mathematics that is true of any robot, body or cost: poses, weighted pseudo-inverses, statistics,
+//! random streams and filters.
+
+pub mod pose;
+pub mod redundancy;
+pub mod signal;
+pub mod stats;
+pub mod stream;
+
+pub use pose::{Pose, Rotation, Vec3, Vec6};

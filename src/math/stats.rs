@@ -1,0 +1,86 @@
+//! Order statistics of samples.
+
+/// Mean; NaN for no samples.
+pub fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// Unbiased standard deviation; 0 for fewer than two samples.
+pub fn std_dev(x: &[f64]) -> f64 {
+    if x.len() < 2 {
+        return 0.0;
+    }
+    let m = mean(x);
+    (x.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (x.len() - 1) as f64).sqrt()
+}
+
+/// Quantile by linear interpolation between order statistics (Hyndman and Fan's type 7, the default
+/// of R and numpy); NaN for no samples. `p` in [0, 1].
+pub fn quantile(x: &[f64], p: f64) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile_of_sorted(&sorted, p)
+}
+
+/// [`quantile`] of samples that are already in ascending order.
+pub fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let at = p.clamp(0.0, 1.0) * last as f64;
+    let low = at.floor() as usize;
+    let high = (low + 1).min(last);
+    sorted[low] + (at - low as f64) * (sorted[high] - sorted[low])
+}
+
+/// Conditional value at risk: mean of the worst (largest) `share` of the samples.
+///
+/// The sample at the border counts with the fraction of it that belongs to the tail, so that the
+/// figure does not jump with the number of samples (Rockafellar and Uryasev 2002).
+pub fn cvar_upper(x: &[f64], share: f64) -> f64 {
+    if x.is_empty() {
+        return f64::NAN;
+    }
+    let mut sorted = x.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let count = (share.clamp(0.0, 1.0) * x.len() as f64).max(f64::MIN_POSITIVE);
+    let whole = (count.floor() as usize).min(x.len());
+    let mut sum: f64 = sorted[..whole].iter().sum();
+    if whole < x.len() {
+        sum += (count - whole as f64) * sorted[whole];
+    }
+    sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn quantiles_interpolate() {
+        let x = [3.0, 1.0, 2.0, 4.0];
+        assert_relative_eq!(quantile(&x, 0.5), 2.5);
+        assert_relative_eq!(quantile(&x, 0.0), 1.0);
+        assert_relative_eq!(quantile(&x, 1.0), 4.0);
+        assert_relative_eq!(quantile(&x, 0.25), 1.75);
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+
+    #[test]
+    fn cvar_is_the_mean_of_the_tail() {
+        let x: Vec<f64> = (1..=20).map(f64::from).collect();
+        assert_relative_eq!(cvar_upper(&x, 0.1), 19.5);
+        assert_relative_eq!(cvar_upper(&x, 1.0), 10.5);
+        // Worst quarter of two samples: half of the larger one.
+        assert_relative_eq!(cvar_upper(&[1.0, 5.0], 0.25), 5.0);
+        assert_relative_eq!(cvar_upper(&[1.0, 5.0], 0.75), (5.0 + 0.5) / 1.5);
+    }
+
+    #[test]
+    fn spread_of_a_known_sample() {
+        assert_relative_eq!(
+            std_dev(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]),
+            (32.0f64 / 7.0).sqrt()
+        );
+        assert_relative_eq!(mean(&[1.0, 2.0, 6.0]), 3.0);
+    }
+}
