@@ -77,14 +77,13 @@ impl NullSpaceFrame {
         let jjt = (jacobian * jacobian.transpose()).cholesky()?;
         let along = jacobian.transpose() * jjt.solve(&(jacobian * &self.reference));
         let projected = &self.reference - along;
-        let eigen = (projected.transpose() * &projected).symmetric_eigen();
-        let alignment = eigen.eigenvalues.min().max(0.0).sqrt();
+        // Polar factor by the thin SVD: exact orthonormality even near the singular set.
+        let svd = projected.svd(true, true);
+        let alignment = svd.singular_values.min();
         if alignment < 1e-6 {
             return None;
         }
-        let scale = DMatrix::from_diagonal(&eigen.eigenvalues.map(|l| 1.0 / l.sqrt()));
-        let inverse_root = &eigen.eigenvectors * scale * eigen.eigenvectors.transpose();
-        Some(AlignedBasis { basis: projected * inverse_root, alignment })
+        Some(AlignedBasis { basis: svd.u? * svd.v_t?, alignment })
     }
 }
 
