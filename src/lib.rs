@@ -35,4 +35,5 @@
 //! Modules import only modules on lower floors; `tests/layers.rs` holds the list and the guard.
 
 pub mod files;
+pub mod kinematics;
 pub mod math;

@@ -1,0 +1,423 @@
+//! The moving part of a model between a base link and one or more tip frames.
+//!
+//! A chain is a linkage with one tip; two hands, or planted feet, are several tips whose Jacobians
+//! are stacked. Fixed joints are merged away, so that a step of the recursion is one moving joint:
+//!
+//! ```text
+//! R_i = R_parent R_fixed Rot(axis, q)     o_i = o_parent + R_parent p_fixed
+//! J column of a revolute joint at tip T:  [ a x (p_T - o) ; a ],  a = R_i axis
+//! ```
+
+use super::model::{Joint, JointKind, Model};
+use crate::files::suggest;
+use crate::math::{Pose, Vec3};
+use nalgebra::{DMatrix, Matrix3, Matrix6xX, UnitQuaternion};
+use thiserror::Error;
+
+/// A frame that a task or a drawing refers to: a link with a rigid offset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tip {
+    /// Name of the link.
+    pub link: String,
+    /// Pose of the frame in the link's frame.
+    pub offset: Pose,
+}
+
+impl Tip {
+    /// The link's own frame.
+    pub fn link(name: &str) -> Self {
+        Self { link: name.to_owned(), offset: Pose::identity() }
+    }
+}
+
+/// A column of the Jacobian: one independent joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointLimit {
+    /// Name in the model.
+    pub name: String,
+    /// True for a joint that slides (m), false for one that turns (rad).
+    pub is_prismatic: bool,
+    /// Lower limit, rad or m.
+    pub lower: f64,
+    /// Upper limit, rad or m.
+    pub upper: f64,
+    /// Velocity limit, rad/s or m/s.
+    pub velocity: f64,
+}
+
+/// Why a linkage cannot be made.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum LinkageError {
+    /// No link has this name.
+    #[error("there is no link `{name}`{}", hint.as_ref().map(|h| format!("; {h}")).unwrap_or_default())]
+    UnknownLink {
+        /// The name asked for.
+        name: String,
+        /// "did you mean ...?"
+        hint: Option<String>,
+    },
+    /// The tip does not hang below the base.
+    #[error("link `{base}` is not an ancestor of `{tip}`; the links above `{tip}` are: {above}")]
+    NotAnAncestor {
+        /// The base asked for.
+        base: String,
+        /// The tip asked for.
+        tip: String,
+        /// The tip's ancestors, nearest first.
+        above: String,
+    },
+    /// A joint on the way is floating or planar.
+    #[error("joint `{joint}` between `{base}` and `{tip}` is of a kind that chains cannot use")]
+    UnsupportedJoint {
+        /// The joint.
+        joint: String,
+        /// The base.
+        base: String,
+        /// The tip.
+        tip: String,
+    },
+}
+
+/// Rotation axes that need two columns of work instead of three.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Axis {
+    X(f64),
+    Y(f64),
+    Z(f64),
+    General,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Node {
+    parent: Option<usize>,
+    /// Fixed rotation from the parent's moved frame; none when it is the identity.
+    rotation: Option<Matrix3<f64>>,
+    translation: Vec3,
+    axis: Vec3,
+    kind: Axis,
+    is_prismatic: bool,
+    /// Column, or none for a mimic joint whose source is not part of the linkage.
+    column: Option<usize>,
+    multiplier: f64,
+    offset: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct TipNode {
+    tip: Tip,
+    node: Option<usize>,
+    rotation: Matrix3<f64>,
+    translation: Vec3,
+    /// Moving joints above the tip, base first.
+    path: Vec<usize>,
+}
+
+/// Joints between a base link and tip frames, flattened for speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linkage {
+    base: String,
+    joints: Vec<JointLimit>,
+    nodes: Vec<Node>,
+    tips: Vec<TipNode>,
+    /// Remarks, such as a mimic joint that had to be frozen.
+    pub warnings: Vec<String>,
+}
+
+/// Where every joint of a linkage is, for one posture; scratch that is reused between postures.
+#[derive(Debug, Clone, Default)]
+pub struct Frames {
+    rotation: Vec<Matrix3<f64>>,
+    origin: Vec<Vec3>,
+    axis: Vec<Vec3>,
+}
+
+impl Linkage {
+    /// The chain from `base` to the frame of the link `tip`.
+    pub fn chain(model: &Model, base: &str, tip: &str) -> Result<Self, LinkageError> {
+        Self::new(model, base, &[Tip::link(tip)])
+    }
+
+    /// All joints between `base` and the tips. Columns come in the order in which the tips first
+    /// meet them, base to tip, so that the first tip's chain has the leading columns.
+    pub fn new(model: &Model, base: &str, tips: &[Tip]) -> Result<Self, LinkageError> {
+        let base_index = find_link(model, base)?;
+        let mut linkage = Self {
+            base: base.to_owned(),
+            joints: Vec::new(),
+            nodes: Vec::new(),
+            tips: Vec::new(),
+            warnings: Vec::new(),
+        };
+        let mut node_of_joint: Vec<Option<usize>> = vec![None; model.joints.len()];
+        let paths: Result<Vec<Vec<usize>>, LinkageError> =
+            tips.iter().map(|t| path_down(model, base, base_index, &t.link)).collect();
+        let paths = paths?;
+        for (i, joint) in paths.iter().flatten().map(|&j| (j, &model.joints[j])) {
+            let known = linkage.joints.iter().any(|l| l.name == joint.name);
+            if joint.mimic.is_none() && joint.kind != JointKind::Fixed && !known {
+                linkage.joints.push(limit_of(&model.joints[i]));
+            }
+        }
+        for (tip, path) in tips.iter().zip(&paths) {
+            linkage.add_tip(model, tip, path, &mut node_of_joint);
+        }
+        Ok(linkage)
+    }
+
+    fn add_tip(
+        &mut self,
+        model: &Model,
+        tip: &Tip,
+        path: &[usize],
+        node_of_joint: &mut [Option<usize>],
+    ) {
+        let mut parent: Option<usize> = None;
+        let mut fixed = Pose::identity();
+        let mut above = Vec::new();
+        for &j in path {
+            let joint = &model.joints[j];
+            if joint.kind == JointKind::Fixed {
+                fixed *= joint.origin;
+                continue;
+            }
+            let node = node_of_joint[j].unwrap_or_else(|| {
+                self.nodes.push(self.node(joint, parent, &(fixed * joint.origin)));
+                self.nodes.len() - 1
+            });
+            if node_of_joint[j].is_none() && self.nodes[node].column.is_none() {
+                self.warnings.push(format!(
+                    "joint `{}` follows a joint outside the chain and is held at its offset",
+                    joint.name
+                ));
+            }
+            node_of_joint[j] = Some(node);
+            above.push(node);
+            parent = Some(node);
+            fixed = Pose::identity();
+        }
+        fixed *= tip.offset;
+        self.tips.push(TipNode {
+            tip: tip.clone(),
+            node: parent,
+            rotation: *fixed.rotation.to_rotation_matrix().matrix(),
+            translation: fixed.translation.vector,
+            path: above,
+        });
+    }
+
+    fn node(&self, joint: &Joint, parent: Option<usize>, fixed: &Pose) -> Node {
+        let (source, multiplier, offset) = match &joint.mimic {
+            None => (joint.name.as_str(), 1.0, 0.0),
+            Some(m) => (m.source.as_str(), m.multiplier, m.offset),
+        };
+        let rotation = *fixed.rotation.to_rotation_matrix().matrix();
+        Node {
+            parent,
+            rotation: (rotation != Matrix3::identity()).then_some(rotation),
+            translation: fixed.translation.vector,
+            axis: joint.axis,
+            kind: axis_kind(&joint.axis),
+            is_prismatic: joint.kind == JointKind::Prismatic,
+            column: self.joints.iter().position(|l| l.name == source),
+            multiplier,
+            offset,
+        }
+    }
+
+    /// Name of the base link.
+    pub fn base(&self) -> &str {
+        &self.base
+    }
+
+    /// Number of independent joints, n.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The independent joints, in column order.
+    pub fn joints(&self) -> &[JointLimit] {
+        &self.joints
+    }
+
+    /// The tip frames.
+    pub fn tips(&self) -> impl Iterator<Item = &Tip> {
+        self.tips.iter().map(|t| &t.tip)
+    }
+
+    /// Places all joints for the posture `q` (n values, rad or m).
+    ///
+    /// # Panics
+    /// When `q` is shorter than [`Linkage::dof`].
+    pub fn forward(&self, q: &[f64], frames: &mut Frames) {
+        let n = self.nodes.len();
+        frames.rotation.resize(n, Matrix3::identity());
+        frames.origin.resize(n, Vec3::zeros());
+        frames.axis.resize(n, Vec3::zeros());
+        for (i, node) in self.nodes.iter().enumerate() {
+            let position = node.column.map_or(0.0, |c| q[c]) * node.multiplier + node.offset;
+            let (mut rotation, mut origin) = match node.parent {
+                Some(p) => {
+                    (frames.rotation[p], frames.origin[p] + frames.rotation[p] * node.translation)
+                }
+                None => (Matrix3::identity(), node.translation),
+            };
+            if let Some(fixed) = &node.rotation {
+                rotation *= fixed;
+            }
+            let axis = match node.kind {
+                Axis::X(s) => rotation.column(0) * s,
+                Axis::Y(s) => rotation.column(1) * s,
+                Axis::Z(s) => rotation.column(2) * s,
+                Axis::General => rotation * node.axis,
+            };
+            if node.is_prismatic {
+                origin += axis * position;
+            } else {
+                turn(&mut rotation, node, position);
+            }
+            frames.axis[i] = axis;
+            frames.rotation[i] = rotation;
+            frames.origin[i] = origin;
+        }
+    }
+
+    /// Position (m) and rotation matrix of a tip in base axes.
+    pub fn tip_frame(&self, frames: &Frames, tip: usize) -> (Vec3, Matrix3<f64>) {
+        let t = &self.tips[tip];
+        match t.node {
+            Some(n) => (
+                frames.origin[n] + frames.rotation[n] * t.translation,
+                frames.rotation[n] * t.rotation,
+            ),
+            None => (t.translation, t.rotation),
+        }
+    }
+
+    /// Pose of a tip in the base frame.
+    pub fn tip_pose(&self, frames: &Frames, tip: usize) -> Pose {
+        let (p, r) = self.tip_frame(frames, tip);
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(r);
+        Pose::from_parts(p.into(), UnitQuaternion::from_rotation_matrix(&rotation))
+    }
+
+    /// Geometric Jacobian of a tip, 6 x n, written over `jacobian`.
+    ///
+    /// # Panics
+    /// When `jacobian` does not have n columns.
+    pub fn jacobian_into(&self, frames: &Frames, tip: usize, jacobian: &mut Matrix6xX<f64>) {
+        jacobian.fill(0.0);
+        let (p, _) = self.tip_frame(frames, tip);
+        for &i in &self.tips[tip].path {
+            let node = &self.nodes[i];
+            let Some(column) = node.column else { continue };
+            let a = frames.axis[i] * node.multiplier;
+            let mut target = jacobian.column_mut(column);
+            if node.is_prismatic {
+                target[0] += a.x;
+                target[1] += a.y;
+                target[2] += a.z;
+            } else {
+                let v = a.cross(&(p - frames.origin[i]));
+                target[0] += v.x;
+                target[1] += v.y;
+                target[2] += v.z;
+                target[3] += a.x;
+                target[4] += a.y;
+                target[5] += a.z;
+            }
+        }
+    }
+
+    /// Geometric Jacobian of a tip, 6 x n.
+    pub fn jacobian(&self, frames: &Frames, tip: usize) -> Matrix6xX<f64> {
+        let mut jacobian = Matrix6xX::zeros(self.dof());
+        self.jacobian_into(frames, tip, &mut jacobian);
+        jacobian
+    }
+
+    /// The Jacobians of all tips, one above the other, (6 tips) x n.
+    pub fn stacked_jacobian(&self, frames: &Frames) -> DMatrix<f64> {
+        let mut stacked = DMatrix::zeros(6 * self.tips.len(), self.dof());
+        for tip in 0..self.tips.len() {
+            stacked.rows_mut(6 * tip, 6).copy_from(&self.jacobian(frames, tip));
+        }
+        stacked
+    }
+}
+
+fn axis_kind(axis: &Vec3) -> Axis {
+    match (axis.x, axis.y, axis.z) {
+        (x, 0.0, 0.0) => Axis::X(x),
+        (0.0, y, 0.0) => Axis::Y(y),
+        (0.0, 0.0, z) => Axis::Z(z),
+        _ => Axis::General,
+    }
+}
+
+/// `rotation *= Rot(axis, angle)`.
+fn turn(rotation: &mut Matrix3<f64>, node: &Node, angle: f64) {
+    let (from, to, sign) = match node.kind {
+        Axis::X(s) => (1, 2, s),
+        Axis::Y(s) => (2, 0, s),
+        Axis::Z(s) => (0, 1, s),
+        Axis::General => {
+            let unit = nalgebra::Unit::new_unchecked(node.axis);
+            *rotation *= nalgebra::Rotation3::from_axis_angle(&unit, angle).matrix();
+            return;
+        }
+    };
+    let (sin, cos) = (sign * angle).sin_cos();
+    let (a, b) = (rotation.column(from).into_owned(), rotation.column(to).into_owned());
+    rotation.set_column(from, &(a * cos + b * sin));
+    rotation.set_column(to, &(b * cos - a * sin));
+}
+
+fn limit_of(joint: &Joint) -> JointLimit {
+    JointLimit {
+        name: joint.name.clone(),
+        is_prismatic: joint.kind == JointKind::Prismatic,
+        lower: joint.lower,
+        upper: joint.upper,
+        velocity: joint.velocity,
+    }
+}
+
+fn find_link(model: &Model, name: &str) -> Result<usize, LinkageError> {
+    model.link_index(name).ok_or_else(|| LinkageError::UnknownLink {
+        name: name.to_owned(),
+        hint: suggest(name, model.links.iter().map(|l| l.name.as_str())),
+    })
+}
+
+/// Indices of the joints from `base` down to the link `tip`.
+fn path_down(
+    model: &Model,
+    base: &str,
+    base_index: usize,
+    tip: &str,
+) -> Result<Vec<usize>, LinkageError> {
+    let mut at = find_link(model, tip)?;
+    let mut path = Vec::new();
+    let mut above = Vec::new();
+    while at != base_index {
+        let Some(j) = model.links[at].parent_joint else {
+            return Err(LinkageError::NotAnAncestor {
+                base: base.to_owned(),
+                tip: tip.to_owned(),
+                above: if above.is_empty() { "none".to_owned() } else { above.join(", ") },
+            });
+        };
+        if model.joints[j].kind == JointKind::Unsupported {
+            return Err(LinkageError::UnsupportedJoint {
+                joint: model.joints[j].name.clone(),
+                base: base.to_owned(),
+                tip: tip.to_owned(),
+            });
+        }
+        path.push(j);
+        at = model.joints[j].parent;
+        above.push(model.links[at].name.clone());
+    }
+    path.reverse();
+    Ok(path)
+}
