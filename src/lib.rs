@@ -34,6 +34,8 @@
 //!
 //! Modules import only modules on lower floors; `tests/layers.rs` holds the list and the guard.
 
+pub mod cli;
 pub mod files;
+pub mod human;
 pub mod kinematics;
 pub mod math;

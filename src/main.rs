@@ -1,2 +1,7 @@
-//! bin
-fn main() {}
+//! The `ergopath` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ergopath::cli::main()
+}

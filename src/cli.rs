@@ -1,0 +1,54 @@
+//! The command line: the only place that prints, shows progress and sets exit codes.
+//!
+//! Exit codes: 0 done; 1 the program itself failed; 2 the input or the call is wrong (nothing is
+//! written); 3 finished, but no path is feasible (the report says why).
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "the command line prints")]
+
+mod body;
+mod inspect;
+
+use clap::{Parser, Subcommand};
+use miette::Diagnostic;
+use std::process::ExitCode;
+
+/// Plans a collaborative robot's path so that the person holding on to it works in a healthy
+/// posture.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Shows a chain of a URDF: joints, limits, and pose and Jacobian for given postures.
+    Inspect(inspect::Args),
+    /// Makes a digital human of given sex, stature and mass.
+    Body(body::Args),
+}
+
+/// How a command ended when it did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    Done,
+}
+
+/// Anything that stops a command, shown to the user.
+type Failure = Box<dyn Diagnostic + Send + Sync>;
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Body(args) => body::run(&args),
+    };
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{:?}", miette::Report::new_boxed(failure));
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! The worker's body: a parametric digital human of 66 joints, its limits and its skeleton.
+//!
+//! 23 segments and 22 spherical joints with Xsens names, each joint three revolutes in the order
+//! Z, X, Y about ISB axes (x forward, y up, z right, for both sides). At zero all segment frames are
+//! parallel: standing upright, arms hanging, **palms forward** (full supination). The zero of
+//! pronation (`jRightElbow_Y`) is therefore full supination; mid-prone, the thumb forward, is +90
+//! deg on the right and -90 deg on the left.
+//!
+//! Signs on the right side: flexion of shoulder, elbow, wrist and hip is +Z, flexion of spine, neck
+//! and knee is -Z; abduction of shoulder and hip is -X, ulnar deviation +X; pronation and internal
+//! rotation are +Y. The left side mirrors X and Y.
+
+mod body;
+mod generate;
+mod limits;
+mod proportions;
+mod skeleton;
+
+pub use body::{Body, PRESETS, Stance};
+pub use generate::{BodyFiles, generate};
+pub use limits::{PostureLimits, SumLimit};
+pub use proportions::{BodySize, Sex};
+pub use skeleton::{Side, Skeleton, bones};

@@ -1,0 +1,130 @@
+//! Where the segments of a posed body are, for scores and drawings.
+
+use super::body::Body;
+use crate::files::InputError;
+use crate::kinematics::{Frames, Linkage, Tip};
+use crate::math::Pose;
+use serde::{Deserialize, Serialize};
+
+/// The coupled side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// Right hand on the robot.
+    Right,
+    /// Left hand on the robot.
+    Left,
+}
+
+impl Side {
+    /// Name of the grip link.
+    pub fn grip(self) -> &'static str {
+        match self {
+            Self::Right => "RightGrip",
+            Self::Left => "LeftGrip",
+        }
+    }
+
+    /// "Right" or "Left", as Xsens names begin.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Self::Right => "Right",
+            Self::Left => "Left",
+        }
+    }
+
+    /// The other side.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Right => Self::Left,
+            Self::Left => Self::Right,
+        }
+    }
+}
+
+/// Links whose origins are joint centres, in the order of a drawing.
+const TRUNK: &[&str] = &["L5", "L3", "T12", "T8", "Neck", "Head"];
+const ARM: &[&str] = &["Shoulder", "UpperArm", "ForeArm", "Hand", "Grip"];
+const LEG: &[&str] = &["UpperLeg", "LowerLeg", "Foot", "Toe"];
+
+/// All segments of a body as tips of one linkage whose first columns are the coupled arm's chain.
+#[derive(Debug, Clone)]
+pub struct Skeleton {
+    linkage: Linkage,
+    names: Vec<String>,
+}
+
+/// Segment poses of one posture, in the pelvis frame.
+#[derive(Debug, Clone)]
+pub struct PosedSkeleton<'a> {
+    skeleton: &'a Skeleton,
+    poses: Vec<Pose>,
+}
+
+impl Skeleton {
+    /// The skeleton for a coupled side.
+    pub fn new(body: &Body, side: Side) -> Result<Self, InputError> {
+        let sides = [side, side.other()];
+        let limb = |parts: &[&str], s: Side| -> Vec<String> {
+            parts.iter().map(|p| format!("{}{p}", s.prefix())).collect()
+        };
+        // The coupled grip first: it fixes the order of the leading columns.
+        let mut names = vec![side.grip().to_owned()];
+        names.extend(TRUNK.iter().map(|&s| s.to_owned()));
+        for s in sides {
+            names.extend(limb(ARM, s));
+            names.extend(limb(LEG, s));
+        }
+        let tips: Vec<Tip> = names.iter().map(|n| Tip::link(n)).collect();
+        let linkage = Linkage::new(&body.model, "Pelvis", &tips)
+            .map_err(|e| InputError::new(&body.name, format!("is no ergopath body: {e}")))?;
+        Ok(Self { linkage, names })
+    }
+
+    /// Number of joint angles of the whole body.
+    pub fn dof(&self) -> usize {
+        self.linkage.dof()
+    }
+
+    /// Column of a joint.
+    pub fn column(&self, joint: &str) -> Option<usize> {
+        self.linkage.joints().iter().position(|j| j.name == joint)
+    }
+
+    /// Poses all segments; `q` holds all columns (rad), the coupled chain first.
+    pub fn pose(&self, q: &[f64]) -> PosedSkeleton<'_> {
+        let mut frames = Frames::default();
+        self.linkage.forward(q, &mut frames);
+        let poses = (0..self.names.len()).map(|i| self.linkage.tip_pose(&frames, i)).collect();
+        PosedSkeleton { skeleton: self, poses }
+    }
+}
+
+impl PosedSkeleton<'_> {
+    /// Pose of a segment's frame in the pelvis frame; identity for `Pelvis` and unknown names.
+    pub fn segment(&self, name: &str) -> Pose {
+        let at = self.skeleton.names.iter().position(|n| n == name);
+        at.map_or_else(Pose::identity, |i| self.poses[i])
+    }
+}
+
+/// The bones to draw, as pairs of segment names whose origins they join.
+pub fn bones() -> Vec<(String, String)> {
+    let chain = |names: Vec<String>| -> Vec<(String, String)> {
+        names.windows(2).map(|p| (p[0].clone(), p[1].clone())).collect()
+    };
+    let mut all = Vec::new();
+    let mut spine = vec!["Pelvis".to_owned()];
+    spine.extend(TRUNK.iter().map(|&s| s.to_owned()));
+    all.extend(chain(spine));
+    for side in ["Right", "Left"] {
+        let mut arm = vec!["T8".to_owned()];
+        arm.extend(ARM.iter().map(|p| format!("{side}{p}")));
+        all.extend(chain(arm));
+        let mut leg = vec!["Pelvis".to_owned()];
+        leg.extend(LEG.iter().map(|p| format!("{side}{p}")));
+        all.extend(chain(leg));
+    }
+    all
+}
