@@ -36,3 +36,4 @@
 
 pub mod files;
 pub mod math;
+pub mod recording;
