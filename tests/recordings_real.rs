@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 #![allow(clippy::print_stdout, reason = "says when it skips, and the statistics it judges")]
 
+use ergopath::math::Vec3;
 use ergopath::math::stats::quantile;
 use ergopath::recording::{Recording, read, zxy_angles};
 use std::path::{Path, PathBuf};
@@ -89,6 +90,32 @@ fn mvnx_joint_angles_are_those_of_the_file() {
     }
 }
 
+/// The zero of MVNX 3 is palms forward: with its axes turned to ISB and nothing else, thumb sides
+/// point outwards (right: +z) and little fingers inwards, as in the anatomical pose.
+#[test]
+fn mvnx_zero_is_palms_forward() {
+    let Some(path) = shared("xsens_mvnx/v3_4frames.mvnx") else { return };
+    let text = std::fs::read_to_string(path).unwrap();
+    let after = |from: &str, tag: &str| -> Vec<f64> {
+        let rest = text.split_once(from).unwrap().1.split_once(tag).unwrap().1;
+        rest.split('<').next().unwrap().split_whitespace().map(|w| w.parse().unwrap()).collect()
+    };
+    let npose = after("type=\"npose\"", "<orientation>");
+    for (point, segment, outwards) in [
+        ("pRightRadialStyloid", 9, 1.0),
+        ("pRightPinky", 10, -1.0),
+        ("pLeftRadialStyloid", 13, -1.0),
+        ("pLeftPinky", 14, 1.0),
+    ] {
+        let [w, x, y, z] = [0, 1, 2, 3].map(|k| npose[4 * segment + k]);
+        let q = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+        let p = after(point, "<pos_s>");
+        let local = q.inverse() * Vec3::new(p[0], p[1], p[2]);
+        let isb = Vec3::new(local.x, local.z, -local.y);
+        assert!(isb.z * outwards > 0.02 && isb.x.abs() < 1e-3 && isb.y < -0.09, "{point}: {isb:?}");
+    }
+}
+
 #[test]
 fn mvnx_lengths_are_plausible() {
     let Some(path) = shared("xsens_mvnx/v3_kick_240hz.mvnx") else { return };
@@ -125,7 +152,7 @@ fn within(what: &str, samples: &[f64], low: f64, high: f64, inside: f64) {
 fn handover_bodies_move_like_a_person() {
     let Some(path) = shared("kth_handover") else { return };
     let error = read(&path, None).unwrap_err();
-    assert!(format!("{:?}", miette_help(&error)).contains("giver, taker"), "{error}");
+    assert!(miette_help(&error).unwrap().contains("giver, taker"), "{error}");
     // Facing: giver and taker stand on either side of the origin and look at each other.
     for (person, side) in [("giver", 1.0), ("taker", -1.0)] {
         let r = read(&path, Some(person)).unwrap();
@@ -136,11 +163,10 @@ fn handover_bodies_move_like_a_person() {
             let tilt: Vec<f64> = track
                 .rotation
                 .iter()
-                .map(|q| (q * ergopath::math::Vec3::y()).z.clamp(-1.0, 1.0).acos().to_degrees())
+                .map(|q| (q * Vec3::y()).z.clamp(-1.0, 1.0).acos().to_degrees())
                 .collect();
             within(&format!("{person} {name} tilt"), &tilt, 0.0, 30.0, 1.0);
-            let forward =
-                |q: &nalgebra::UnitQuaternion<f64>| (q * ergopath::math::Vec3::x()).x * side;
+            let forward = |q: &nalgebra::UnitQuaternion<f64>| (q * Vec3::x()).x * side;
             assert!(track.rotation.iter().all(|q| forward(q) > 0.8));
         }
         for (arm, mirror) in [("Right", 1.0), ("Left", -1.0)] {

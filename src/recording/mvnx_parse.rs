@@ -80,7 +80,7 @@ pub(super) fn parse(input: impl BufRead) -> Result<Export, Fault> {
         parser.byte = reader.buffer_position();
         let event = match reader.read_event_into(&mut buffer) {
             Ok(event) => event,
-            Err(e) => return Err(broken(&e, reader.error_position())),
+            Err(e) => return Err(broken(&e, reader.error_position().max(parser.byte))),
         };
         match event {
             Event::Start(tag) => parser.open(&tag)?,
@@ -98,13 +98,15 @@ pub(super) fn parse(input: impl BufRead) -> Result<Export, Fault> {
 }
 
 fn broken(error: &quick_xml::Error, byte: u64) -> Fault {
-    let message = match error {
+    let copy = "copy or export the file again";
+    let (message, remedy) = match error {
         // Every syntax error is something that is not closed before the end.
-        quick_xml::Error::Syntax(e) => format!("is cut off or damaged: {e}"),
-        quick_xml::Error::Io(e) => format!("cannot be read further: {e}"),
-        other => format!("is not well-formed XML: {other}"),
+        quick_xml::Error::Syntax(e) => (format!("is cut off or damaged: {e}"), copy),
+        quick_xml::Error::Encoding(e) => (format!("is not UTF-8 text: {e}"), "save it as UTF-8"),
+        quick_xml::Error::Io(e) => (format!("cannot be read further: {e}"), copy),
+        other => (format!("is not well-formed XML: {other}"), copy),
     };
-    Fault { byte, message, remedy: "copy or export the file again" }
+    Fault { byte, message, remedy }
 }
 
 fn attribute(tag: &BytesStart, name: &str) -> Option<String> {

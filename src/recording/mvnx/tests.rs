@@ -144,6 +144,12 @@ fn damage_is_named_with_frame_and_value() {
             assert!(shown.contains("a.mvnx: line "), "{shown}");
         }
     }
+    let room = tempfile::tempdir().unwrap();
+    let path = room.path().join("latin.mvnx");
+    std::fs::write(&path, mvnx(3).as_bytes().split(|b| *b == b'S').collect::<Vec<_>>().join(&0xe9))
+        .unwrap();
+    let error = read(&path).unwrap_err();
+    assert!(error.message().contains("not UTF-8"), "{error}");
     let error = load(&mvnx(4).replace("tpose-isb", "other")).unwrap_err();
     assert!(error.message().contains("calibration"), "{error}");
 }
