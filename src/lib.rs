@@ -39,3 +39,4 @@ pub mod files;
 pub mod human;
 pub mod kinematics;
 pub mod math;
+pub mod recording;

@@ -1,0 +1,141 @@
+//! Recorded movements: MVNX exports and rigid-body CSV folders become one neutral type.
+//!
+//! A [`Recording`] holds segment poses of one person in ISB segment axes, whatever the file used.
+//! The axes of every segment are x forward, y up (towards the proximal joint of a hanging limb) and
+//! z right, on both sides of the body, and all of them are parallel to the pelvis in the *anatomical
+//! zero pose*: standing upright, arms hanging, palms forward. A relaxed hanging right hand with the
+//! thumb forward is therefore turned +90 degrees about +y, a left one -90 degrees.
+//!
+//! Nothing is filtered or resampled here, and nothing that could name a person is kept.
+
+mod axes;
+mod checks;
+mod mvnx;
+mod mvnx_parse;
+mod rigid_bodies;
+
+pub use axes::{SEGMENT_NAMES, zxy_angles};
+pub use rigid_bodies::{RIGID_BODY_RATE_HZ, read_rigid_bodies};
+
+use crate::files::InputError;
+use crate::math::Vec3;
+use nalgebra::UnitQuaternion;
+use std::path::Path;
+
+/// Segment poses of one person over time, in ISB segment axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Name of the file or folder read, without its path.
+    pub source: String,
+    /// `MVNX v3`, `MVNX v4` or `rigid-body CSV`.
+    pub format: &'static str,
+    /// SHA-256 of the bytes read; of a folder: of the person's files joined in order of their names.
+    pub sha256: String,
+    /// Frames per second, Hz.
+    pub rate_hz: f64,
+    /// One track per segment, in the order of [`SEGMENT_NAMES`], all of one length.
+    pub segments: Vec<SegmentTrack>,
+    /// Name and distance (m) between the proximal and the distal joint centre of a segment. A hand
+    /// ends at its finger tip (MVNX only). `ShoulderToShoulder` and `HipToHip` are the distances
+    /// between the right and left joint centres while all segments are parallel to the trunk.
+    pub segment_lengths_m: Vec<(String, f64)>,
+    /// Conventions applied, frames skipped and what looks suspicious: for people to read.
+    pub notes: Vec<String>,
+}
+
+/// The pose of one segment over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SegmentTrack {
+    /// One of [`SEGMENT_NAMES`].
+    pub name: String,
+    /// Proximal joint centre in the world (m, z up), one per frame.
+    pub position: Vec<Vec3>,
+    /// Rotation that maps segment axes (ISB) to world axes, one per frame, signs continuous.
+    pub rotation: Vec<UnitQuaternion<f64>>,
+}
+
+impl Recording {
+    /// The track of a segment.
+    pub fn segment(&self, name: &str) -> Option<&SegmentTrack> {
+        self.segments.iter().find(|s| s.name == name)
+    }
+
+    /// A length (m) of `segment_lengths_m` by its name.
+    pub fn length_m(&self, name: &str) -> Option<f64> {
+        self.segment_lengths_m.iter().find(|(n, _)| n == name).map(|(_, length)| *length)
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.segments.first().map_or(0, |s| s.position.len())
+    }
+}
+
+/// Reads a recording: an `.mvnx` file (version 3 or 4), or a folder of rigid-body CSV files.
+///
+/// `person` picks one of several people in a folder and may be left out if there is only one; an
+/// MVNX file holds one person without a name. Folders are read at [`RIGID_BODY_RATE_HZ`]; use
+/// [`read_rigid_bodies`] for another rate.
+pub fn read(path: &Path, person: Option<&str>) -> Result<Recording, InputError> {
+    if path.is_dir() {
+        return read_rigid_bodies(path, person, RIGID_BODY_RATE_HZ);
+    }
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let known = "known are .mvnx files (version 3 or 4) and folders of rigid-body CSV files named \
+                 <person>_<body>_pose_saved.csv";
+    match extension.as_str() {
+        "mvnx" => match person {
+            None => mvnx::read(path),
+            Some(name) => Err(InputError::new(
+                path,
+                format!("holds one unnamed person, so person `{name}` cannot be picked"),
+            )
+            .remedy("leave the person out for MVNX files")),
+        },
+        _ if !path.exists() => Err(InputError::new(path, "cannot be read: no such file or folder")
+            .remedy("check the path; paths inside a scenario are relative to the scenario file")),
+        "csv" => Err(InputError::new(path, "is one body of a rigid-body recording")
+            .remedy("give the folder that holds the CSV files of all bodies instead")),
+        "mvn" => Err(InputError::new(path, "is a recording in its maker's own binary format")
+            .remedy("export it as MVNX with position and orientation of the segments")),
+        "" => Err(InputError::new(path, "has no extension that tells its kind").remedy(known)),
+        other => {
+            Err(InputError::new(path, format!("`.{other}` is no kind of recording known here"))
+                .remedy(known))
+        }
+    }
+}
+
+/// The name of a file or folder without its path, even for `.`.
+fn bare_name(path: &Path) -> String {
+    let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    full.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use miette::Diagnostic as _;
+
+    #[test]
+    fn unknown_kinds_are_refused_with_a_remedy() {
+        let room = tempfile::tempdir().unwrap();
+        for (name, expected) in [
+            ("walk.bvh", "`.bvh` is no kind"),
+            ("walk", "no extension"),
+            ("giver_hip_pose_saved.csv", "one body"),
+            ("walk.mvn", "binary format"),
+        ] {
+            let path = room.path().join(name);
+            std::fs::write(&path, b"x").unwrap();
+            let error = read(&path, None).unwrap_err();
+            assert!(error.message().contains(expected), "{error}");
+            assert!(error.help().is_some());
+        }
+        let error = read(&room.path().join("none.bvh"), None).unwrap_err();
+        assert!(error.message().contains("no such file"), "{error}");
+        assert!(read(&room.path().join("none.mvnx"), None).is_err());
+        let error = read(&room.path().join("none.mvnx"), Some("Ann")).unwrap_err();
+        assert!(error.message().contains("`Ann`"), "{error}");
+    }
+}

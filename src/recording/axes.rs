@@ -1,0 +1,121 @@
+//! The constant rotations that bring each format's segment axes into ISB anatomical axes.
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use std::f64::consts::FRAC_PI_2;
+
+/// The segments a recording can hold, in the order in which it holds them.
+pub const SEGMENT_NAMES: [&str; 23] = [
+    "Pelvis",
+    "L5",
+    "L3",
+    "T12",
+    "T8",
+    "Neck",
+    "Head",
+    "RightShoulder",
+    "RightUpperArm",
+    "RightForeArm",
+    "RightHand",
+    "LeftShoulder",
+    "LeftUpperArm",
+    "LeftForeArm",
+    "LeftHand",
+    "RightUpperLeg",
+    "RightLowerLeg",
+    "RightFoot",
+    "RightToe",
+    "LeftUpperLeg",
+    "LeftLowerLeg",
+    "LeftFoot",
+    "LeftToe",
+];
+
+/// MVNX segment axes (x forward, y left, z up) from ISB axes (x forward, y up, z right).
+///
+/// The zero of MVNX v3 is already the anatomical pose with palms forward: in the calibration frame
+/// with arms sideways and palms down the hand's x axis points down (palmar), the upper arm's
+/// forward, the radial styloid lies on +z (ISB) of the right forearm and the little finger on -z.
+pub(super) fn mvnx_from_isb() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_euler_angles(FRAC_PI_2, 0.0, 0.0)
+}
+
+/// Axes of a rigid body from the ISB axes of its segment; `None` for a body unknown here.
+///
+/// The bodies of the solved skeleton are parallel to each other (x left, y back, z up) while the
+/// person stands in a T-pose with palms down. In that pose the upper arms are 90 degrees abducted
+/// from the anatomical zero (x forward, y medial), the forearms and hands pronated by 90 degrees
+/// besides (x down, that is, palmar).
+pub(super) fn rigid_body_from_isb(segment: &str) -> Option<UnitQuaternion<f64>> {
+    let columns: [[f64; 3]; 3] = match segment {
+        "Pelvis" | "L3" | "T8" | "Neck" | "Head" | "RightShoulder" | "LeftShoulder" => {
+            [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]
+        }
+        "RightUpperArm" => [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        "LeftUpperArm" => [[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
+        "RightForeArm" | "RightHand" => [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
+        "LeftForeArm" | "LeftHand" => [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        _ => return None,
+    };
+    let matrix = Matrix3::from_columns(&columns.map(Into::into));
+    Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)))
+}
+
+/// Angles (rad) `[z, x, y]` of `R = Rz Rx Ry` for the rotation of a child segment in its parent.
+///
+/// At a right elbow: flexion, carrying angle, pronation; at a left one x and y change sign. The
+/// split is singular where x reaches +-90 degrees.
+pub fn zxy_angles(child_in_parent: &UnitQuaternion<f64>) -> [f64; 3] {
+    let r = child_in_parent.to_rotation_matrix();
+    let x = r[(2, 1)].clamp(-1.0, 1.0).asin();
+    [(-r[(0, 1)]).atan2(r[(1, 1)]), x, (-r[(2, 0)]).atan2(r[(2, 2)])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn every_constant_is_a_proper_rotation() {
+        for name in SEGMENT_NAMES {
+            if let Some(q) = rigid_body_from_isb(name) {
+                let r = q.to_rotation_matrix();
+                assert_relative_eq!(r.matrix().determinant(), 1.0, epsilon = 1e-12);
+                // The right-hand rule holds between the listed columns themselves.
+                let (x, y) = (q * Vec3::x(), q * Vec3::y());
+                assert_relative_eq!(x.cross(&y), q * Vec3::z(), epsilon = 1e-12);
+            }
+        }
+        assert_relative_eq!(mvnx_from_isb() * Vec3::y(), Vec3::z(), epsilon = 1e-12);
+        assert_relative_eq!(mvnx_from_isb() * Vec3::z(), -Vec3::y(), epsilon = 1e-12);
+    }
+
+    #[test]
+    fn a_t_pose_with_palms_down_is_abducted_and_pronated() {
+        // All bodies parallel: the pose in which the constants are defined.
+        let angle = |parent: &str, child: &str| {
+            let in_parent = rigid_body_from_isb(parent).unwrap().inverse()
+                * rigid_body_from_isb(child).unwrap();
+            zxy_angles(&in_parent).map(f64::to_degrees)
+        };
+        let pronated = angle("RightUpperArm", "RightForeArm");
+        assert_relative_eq!(pronated[2], 90.0, epsilon = 1e-9);
+        assert_relative_eq!(pronated[0], 0.0, epsilon = 1e-9);
+        assert_relative_eq!(angle("LeftUpperArm", "LeftForeArm")[2], -90.0, epsilon = 1e-9);
+        assert_relative_eq!(angle("RightShoulder", "RightUpperArm")[1], -90.0, epsilon = 1e-5);
+        assert_relative_eq!(angle("LeftShoulder", "LeftUpperArm")[1], 90.0, epsilon = 1e-5);
+    }
+
+    #[test]
+    fn zxy_angles_undo_the_product() {
+        let (z, x, y) = (1.1, -0.4, 2.0);
+        let q = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), z)
+            * UnitQuaternion::from_axis_angle(&Vec3::x_axis(), x)
+            * UnitQuaternion::from_axis_angle(&Vec3::y_axis(), y);
+        let found = zxy_angles(&q);
+        for (a, b) in found.iter().zip([z, x, y]) {
+            assert_relative_eq!(*a, b, epsilon = 1e-12);
+        }
+    }
+}

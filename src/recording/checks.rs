@@ -1,0 +1,125 @@
+//! What every reader does alike: unit quaternions, continuous signs, and notes on what looks odd.
+
+use super::axes::{SEGMENT_NAMES, zxy_angles};
+use super::{Recording, SegmentTrack};
+use crate::math::pose::rotation_between;
+use nalgebra::{Quaternion, UnitQuaternion};
+
+/// Deviation of a quaternion's norm from one beyond which it is refused.
+const NORM_TOLERANCE: f64 = 0.05;
+/// Speed of a joint centre (m/s) above which a step counts as a jump; kicks stay below.
+const JUMP_SPEED: f64 = 25.0;
+/// Angular speed of a segment (rad/s) above which a step counts as a jump.
+const JUMP_TURN: f64 = 60.0;
+/// Carrying angle (deg) above which an elbow is no longer close to a hinge.
+const CARRYING_LIMIT_DEG: f64 = 30.0;
+
+/// A unit quaternion from its four numbers; the norm in error where it is not near one.
+pub(super) fn unit(w: f64, x: f64, y: f64, z: f64) -> Result<UnitQuaternion<f64>, f64> {
+    let q = Quaternion::new(w, x, y, z);
+    let norm = q.norm();
+    // Written so that a norm that is no number fails too.
+    if (norm - 1.0).abs() <= NORM_TOLERANCE {
+        Ok(UnitQuaternion::new_normalize(q))
+    } else {
+        Err(norm)
+    }
+}
+
+/// Chooses the sign of each quaternion nearest to its predecessor: q and -q are one rotation, but
+/// only one of them interpolates.
+pub(super) fn make_continuous(rotations: &mut [UnitQuaternion<f64>]) {
+    for i in 1..rotations.len() {
+        if rotations[i - 1].coords.dot(&rotations[i].coords) < 0.0 {
+            rotations[i] = UnitQuaternion::new_unchecked(-rotations[i].into_inner());
+        }
+    }
+}
+
+/// Brings the tracks into the documented order.
+pub(super) fn sort_segments(segments: &mut [SegmentTrack]) {
+    segments.sort_by_key(|s| SEGMENT_NAMES.iter().position(|n| *n == s.name));
+}
+
+/// Adds notes on jumps and on elbows that bend out of their hinge plane.
+pub(super) fn note_oddities(recording: &mut Recording) {
+    let jumps: Vec<String> =
+        recording.segments.iter().filter_map(|s| jumps(s, recording.rate_hz)).collect();
+    let elbows: Vec<String> =
+        ["Right", "Left"].iter().filter_map(|side| elbow(recording, side)).collect();
+    recording.notes.extend(jumps.into_iter().chain(elbows));
+}
+
+fn jumps(track: &SegmentTrack, rate_hz: f64) -> Option<String> {
+    let is_jump = |i: &usize| {
+        let step = (track.position[*i] - track.position[i - 1]).norm() * rate_hz;
+        let turn = rotation_between(&track.rotation[i - 1], &track.rotation[*i]).norm() * rate_hz;
+        step > JUMP_SPEED || turn > JUMP_TURN
+    };
+    let found: Vec<usize> = (1..track.position.len()).filter(is_jump).collect();
+    let first = found.first()?;
+    Some(format!(
+        "{} jumps {} times (faster than {JUMP_SPEED} m/s or {JUMP_TURN} rad/s), first at frame \
+         {first}: tracking errors are likely there",
+        track.name,
+        found.len()
+    ))
+}
+
+fn elbow(recording: &Recording, side: &str) -> Option<String> {
+    let upper = recording.segment(&format!("{side}UpperArm"))?;
+    let fore = recording.segment(&format!("{side}ForeArm"))?;
+    let carrying: Vec<f64> = upper
+        .rotation
+        .iter()
+        .zip(&fore.rotation)
+        .map(|(u, f)| zxy_angles(&(u.inverse() * f))[1].to_degrees().abs())
+        .collect();
+    let worst = carrying.iter().copied().fold(0.0, f64::max);
+    let beyond = carrying.iter().filter(|a| **a > CARRYING_LIMIT_DEG).count();
+    (beyond > 0).then(|| {
+        format!(
+            "the {} elbow bends out of its hinge plane by more than {CARRYING_LIMIT_DEG} deg in \
+             {beyond} of {} frames (at most {worst:.0} deg): the upper arm's axial rotation is \
+             uncertain there",
+            side.to_lowercase(),
+            carrying.len()
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn norms_far_from_one_and_no_numbers_are_refused() {
+        assert!(unit(1.04, 0.0, 0.0, 0.0).is_ok());
+        assert!(unit(0.9, 0.0, 0.0, 0.0).is_err());
+        assert!(unit(0.0, 0.0, 0.0, 0.0).is_err());
+        assert!(unit(f64::NAN, 0.0, 0.0, 0.0).is_err());
+    }
+
+    #[test]
+    fn signs_become_continuous_without_changing_the_rotation() {
+        let q = UnitQuaternion::from_scaled_axis(Vec3::new(0.3, 0.2, 0.1));
+        let flipped = UnitQuaternion::new_unchecked(-q.into_inner());
+        let mut rotations = [q, flipped, q, flipped];
+        make_continuous(&mut rotations);
+        assert!(rotations.iter().all(|r| r.coords.dot(&q.coords) > 0.99));
+    }
+
+    #[test]
+    fn jumps_are_reported_with_their_frame() {
+        let mut track = SegmentTrack {
+            name: "Head".into(),
+            position: vec![Vec3::zeros(); 5],
+            rotation: vec![UnitQuaternion::identity(); 5],
+        };
+        assert!(jumps(&track, 100.0).is_none());
+        track.position[3].x = 0.6;
+        let note = jumps(&track, 100.0).unwrap();
+        assert!(note.contains("2 times") && note.contains("frame 3"), "{note}");
+    }
+}
