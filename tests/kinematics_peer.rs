@@ -1,6 +1,10 @@
 //! Kinematics against an independent crate and against finite differences, on every URDF at hand.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "tests may panic and say what they skip"
+)]
 
 use ergopath::kinematics::{Frames, Linkage, Model, Tip, read_urdf};
 use ergopath::math::stream::{Purpose, stream};

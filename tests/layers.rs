@@ -1,6 +1,10 @@
 //! House law: imports between modules run downward only, and every file says what it is for.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "tests may panic and say what they skip"
+)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
