@@ -39,4 +39,5 @@ pub mod files;
 pub mod human;
 pub mod kinematics;
 pub mod math;
+pub mod posture;
 pub mod recording;

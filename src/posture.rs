@@ -1,0 +1,36 @@
+//! How a person resolves the redundancy of the body: the learned model and its rollouts.
+//!
+//! One formula carries every method. A joint velocity is Gaussian with preferred mean `z(q, xdot)`
+//! and covariance `W`, conditioned on meeting the task `J qdot = xdot`:
+//!
+//! ```text
+//! mean        z + J_W^+ (xdot - J z)            J_W^+ = W J^T (J W J^T)^-1
+//! covariance  W - W J^T (J W J^T)^-1 J W
+//! ```
+//! The plain pseudo-inverse, a diagonal or a full `W`, the paper's control law (eq. 3), its Gaussian
+//! process in the null space, and the pull towards the person's own postures are choices of `z` and
+//! `W`.
+//!
+//! ```text
+//! PostureModel ─ start ─► start postures ─ rollout (closed loop, limits, noise) ─► Rollouts
+//! ```
+
+mod attraction;
+mod conditional;
+mod file;
+mod model;
+mod noise;
+mod null_space_gp;
+mod rollout;
+mod start;
+mod step;
+
+pub use attraction::{Attraction, HandFeatures};
+pub use conditional::{Conditional, condition};
+pub use file::{MODEL_SCHEMA, load_model, save_model};
+pub use model::{Method, MethodQuality, PostureDistribution, PostureModel, Provenance};
+pub use noise::{Noise, NoisePath};
+pub use null_space_gp::{GpHyper, NullSpaceGp};
+pub use rollout::{Coupling, Hold, Rollout, roll_out};
+pub use start::{Start, StartRule, start_postures};
+pub use step::{ReachExceeded, StepSolver};

@@ -1,0 +1,237 @@
+//! The pull towards the person's own postures: where the hand is, which posture is usual there?
+//!
+//! ```text
+//! z = lambda c(x) (m(x) - q)       m(x) = mu + k(x, X) (K + s I)^-1 (Q - mu)
+//! c(x) = k(x, X) (K + s I)^-1 k(X, x)   (share of the prior variance that the data explain)
+//! ```
+//! `x` is the hand pose relative to the pelvis, `Q` the training postures, `k` a squared exponential
+//! on standardised features. Far from the training data `c` goes to 0 and the pull fades.
+
+use crate::math::pose::rotation_between;
+use crate::math::{Pose, Vec3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+/// Length by which a rotation of the hand counts like a displacement, m/rad.
+const ROTATION_LENGTH_M: f64 = 0.3;
+/// Smallest spread of a feature (m): directions in which the hand hardly moved are not blown up.
+const SMALLEST_SPREAD_M: f64 = 0.02;
+
+/// Features of a hand pose: position over stature and rotation from a reference, standardised.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HandFeatures {
+    reference: UnitQuaternion<f64>,
+    stature_m: f64,
+    mean: Vec<f64>,
+    spread: Vec<f64>,
+}
+
+impl HandFeatures {
+    /// Fits centre and spread to training poses of a person of `stature_m`.
+    pub fn fit(poses: &[Pose], stature_m: f64) -> Self {
+        // The chordal mean orientation: the dominant eigenvector of the sum of outer products.
+        let outer = poses.iter().fold(nalgebra::Matrix4::zeros(), |sum, p| {
+            let c = p.rotation.coords;
+            sum + c * c.transpose()
+        });
+        let eigen = outer.symmetric_eigen();
+        let top = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
+        let reference = UnitQuaternion::new_normalize(nalgebra::Quaternion::from(top));
+        let mut features = Self { reference, stature_m, mean: vec![0.0; 6], spread: vec![1.0; 6] };
+        let raw: Vec<[f64; 6]> = poses.iter().map(|p| features.of(p, stature_m)).collect();
+        for i in 0..6 {
+            let column: Vec<f64> = raw.iter().map(|r| r[i]).collect();
+            features.mean[i] = crate::math::stats::mean(&column);
+            let spread = crate::math::stats::std_dev(&column);
+            features.spread[i] = spread.max(SMALLEST_SPREAD_M / stature_m);
+        }
+        features
+    }
+
+    /// Features of a hand pose (pelvis frame) of a body of `stature_m`.
+    pub fn of(&self, hand: &Pose, stature_m: f64) -> [f64; 6] {
+        let p: Vec3 = hand.translation.vector / stature_m;
+        let turn = rotation_between(&self.reference, &hand.rotation);
+        let r = turn * (ROTATION_LENGTH_M / self.stature_m);
+        let raw = [p.x, p.y, p.z, r.x, r.y, r.z];
+        std::array::from_fn(|i| (raw[i] - self.mean[i]) / self.spread[i])
+    }
+}
+
+/// Kernel regression of the posture on the hand pose, and the rate of the pull.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "Stored", into = "Stored")]
+pub struct Attraction {
+    rate: f64,
+    length_scale: f64,
+    noise: f64,
+    features: HandFeatures,
+    inputs: Vec<[f64; 6]>,
+    postures: DMatrix<f64>,
+    mean: DVector<f64>,
+    coefficients: DMatrix<f64>,
+    factor: Option<Cholesky<f64, Dyn>>,
+}
+
+/// What the model file holds; the rest is recomputed.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    rate_per_s: f64,
+    length_scale: f64,
+    noise_variance: f64,
+    features: HandFeatures,
+    inputs: Vec<[f64; 6]>,
+    postures_rad: DMatrix<f64>,
+}
+
+impl From<Stored> for Attraction {
+    fn from(s: Stored) -> Self {
+        Self::assemble(s.rate_per_s, s.length_scale, s.noise_variance, s.features, s.inputs, s.postures_rad)
+    }
+}
+
+impl From<Attraction> for Stored {
+    fn from(a: Attraction) -> Self {
+        Self {
+            rate_per_s: a.rate,
+            length_scale: a.length_scale,
+            noise_variance: a.noise,
+            features: a.features,
+            inputs: a.inputs,
+            postures_rad: a.postures,
+        }
+    }
+}
+
+/// The usual posture at a hand pose, and how far the data support it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UsualPosture {
+    /// m(x), n, rad.
+    pub posture: DVector<f64>,
+    /// c(x) in [0, 1].
+    pub confidence: f64,
+}
+
+impl Attraction {
+    /// Fits the regression. `hands` are poses in the pelvis frame, `postures` N x n (rad); `rate` in
+    /// 1/s, `length_scale` in standard deviations of the features, `noise` relative to the signal's
+    /// variance.
+    ///
+    /// # Panics
+    /// When hands and postures differ in number.
+    pub fn fit(
+        hands: &[Pose],
+        postures: DMatrix<f64>,
+        stature_m: f64,
+        rate: f64,
+        length_scale: f64,
+        noise: f64,
+    ) -> Self {
+        assert_eq!(hands.len(), postures.nrows(), "one hand pose for each posture");
+        let features = HandFeatures::fit(hands, stature_m);
+        let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
+        Self::assemble(rate, length_scale, noise, features, inputs, postures)
+    }
+
+    fn assemble(
+        rate: f64,
+        length_scale: f64,
+        noise: f64,
+        features: HandFeatures,
+        inputs: Vec<[f64; 6]>,
+        postures: DMatrix<f64>,
+    ) -> Self {
+        let count = inputs.len();
+        let mean = postures.row_mean().transpose();
+        let kernel = DMatrix::from_fn(count, count, |i, j| {
+            let k = squared_exponential(&inputs[i], &inputs[j], length_scale);
+            if i == j { k + noise } else { k }
+        });
+        let mut centred = postures.clone();
+        for mut row in centred.row_iter_mut() {
+            row -= mean.transpose();
+        }
+        let factor = kernel.cholesky();
+        let coefficients = factor
+            .as_ref()
+            .map_or_else(|| DMatrix::zeros(count, postures.ncols()), |f| f.solve(&centred));
+        Self { rate, length_scale, noise, features, inputs, postures, mean, coefficients, factor }
+    }
+
+    /// Rate of the pull lambda, 1/s.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Number of training postures behind the regression.
+    pub fn sample_count(&self) -> usize {
+        self.inputs.len()
+    }
+
+    /// The usual posture for a hand pose (pelvis frame) of a body of `stature_m`.
+    pub fn usual_posture(&self, hand: &Pose, stature_m: f64) -> UsualPosture {
+        let x = self.features.of(hand, stature_m);
+        let k = DVector::from_iterator(
+            self.inputs.len(),
+            self.inputs.iter().map(|i| squared_exponential(i, &x, self.length_scale)),
+        );
+        let posture = &self.mean + self.coefficients.tr_mul(&k);
+        let confidence = self.factor.as_ref().map_or(0.0, |f| {
+            // k^T K^-1 k = |L^-1 k|^2
+            f.l_dirty().solve_lower_triangular(&k).map_or(0.0, |v| v.norm_squared())
+        });
+        UsualPosture { posture, confidence: confidence.clamp(0.0, 1.0) }
+    }
+}
+
+fn squared_exponential(a: &[f64; 6], b: &[f64; 6], length_scale: f64) -> f64 {
+    let distance: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+    (-0.5 * distance / (length_scale * length_scale)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn trained() -> (Vec<Pose>, DMatrix<f64>, Attraction) {
+        let hands: Vec<Pose> = (0..40)
+            .map(|i| {
+                let t = f64::from(i) / 39.0;
+                Pose::new(Vec3::new(0.3 + 0.2 * t, 0.1 * t, 0.2), Vec3::new(0.0, 0.4 * t, 0.1))
+            })
+            .collect();
+        let postures = DMatrix::from_fn(40, 3, |i, j| (i as f64 / 39.0 + j as f64).sin());
+        let model = Attraction::fit(&hands, postures.clone(), 1.7, 4.0, 1.0, 1e-4);
+        (hands, postures, model)
+    }
+
+    #[test]
+    fn recalls_training_postures_and_fades_far_away() {
+        let (hands, postures, model) = trained();
+        let at = model.usual_posture(&hands[17], 1.7);
+        assert_relative_eq!(at.posture, postures.row(17).transpose(), epsilon = 2e-2);
+        assert!(at.confidence > 0.99, "{}", at.confidence);
+        let far = model.usual_posture(&Pose::translation(3.0, 0.0, 0.0), 1.7);
+        assert!(far.confidence < 1e-3);
+        assert_relative_eq!(far.posture, postures.row_mean().transpose(), epsilon = 1e-3);
+    }
+
+    #[test]
+    fn a_taller_body_meets_the_same_posture_at_a_scaled_place() {
+        let (hands, _, model) = trained();
+        let mut scaled = hands[9];
+        scaled.translation.vector *= 1.9 / 1.7;
+        let (a, b) = (model.usual_posture(&hands[9], 1.7), model.usual_posture(&scaled, 1.9));
+        assert_relative_eq!(a.posture, b.posture, epsilon = 1e-12);
+    }
+
+    #[test]
+    fn survives_the_file() {
+        let (hands, _, model) = trained();
+        let text = serde_json::to_string(&model).unwrap();
+        let back: Attraction = serde_json::from_str(&text).unwrap();
+        assert_eq!(model.usual_posture(&hands[3], 1.7), back.usual_posture(&hands[3], 1.7));
+    }
+}

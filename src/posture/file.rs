@@ -1,0 +1,98 @@
+//! The file of a posture model: JSON with a schema, checked when read. Owner of `models/posture`.
+
+use super::model::PostureModel;
+use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Schema id and version; a reader refuses any other.
+pub const MODEL_SCHEMA: &str = "ergopath/posture-model/1";
+
+/// Models that ship inside the program.
+const SHIPPED: &[(&str, &str)] = &[];
+
+#[derive(Serialize)]
+struct Written<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    model: &'a PostureModel,
+}
+
+#[derive(Deserialize)]
+struct Head {
+    schema: Option<String>,
+}
+
+/// Writes a model whole or not at all.
+pub fn save_model(model: &PostureModel, path: &Path) -> Result<(), InputError> {
+    let text = serde_json::to_string(&Written { schema: MODEL_SCHEMA, model })
+        .map_err(|e| InputError::new(path, e.to_string()))?;
+    write_whole(path, format!("{text}\n").as_bytes())
+}
+
+/// Reads a shipped model by name or a file (relative to `folder`), with the SHA-256 of its text.
+pub fn load_model(name_or_path: &str, folder: &Path) -> Result<(PostureModel, String), InputError> {
+    if let Some((name, text)) = SHIPPED.iter().find(|(n, _)| *n == name_or_path) {
+        return parse(Path::new(name), text);
+    }
+    let path = folder.join(name_or_path);
+    if !path.is_file() && !name_or_path.contains(['/', '.']) {
+        let names: Vec<&str> = SHIPPED.iter().map(|(n, _)| *n).collect();
+        let help = suggest(name_or_path, names.iter().copied()).unwrap_or_else(|| {
+            format!("shipped models: {}; or the path of a trained model", names.join(", "))
+        });
+        let message = format!("there is no shipped posture model `{name_or_path}`");
+        return Err(InputError::new(name_or_path, message).remedy(help));
+    }
+    parse(&path, &read_text(&path)?)
+}
+
+fn parse(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> {
+    let remedy = "train it again with this version: ergopath train RECORDING --body BODY -o MODEL";
+    let broken = |e: serde_json::Error| {
+        InputError::new(path, format!("is not a posture model: {e}")).remedy(remedy)
+    };
+    let head: Head = serde_json::from_str(text).map_err(broken)?;
+    match head.schema.as_deref() {
+        Some(MODEL_SCHEMA) => {}
+        other => {
+            let found = other.unwrap_or("none");
+            let message = format!("schema `{found}` is not `{MODEL_SCHEMA}`");
+            return Err(InputError::new(path, message).remedy(remedy));
+        }
+    }
+    let mut value: serde_json::Value = serde_json::from_str(text).map_err(broken)?;
+    if let Some(object) = value.as_object_mut() {
+        object.remove("schema");
+    }
+    let model: PostureModel = serde_json::from_value(value).map_err(broken)?;
+    check(&model).map_err(|e| InputError::new(path, e).remedy(remedy))?;
+    Ok((model, sha256_hex(text.as_bytes())))
+}
+
+fn check(model: &PostureModel) -> Result<(), String> {
+    let n = model.joints.len();
+    let shapes = [
+        ("weight", model.weight.shape(), (n, n)),
+        ("posture covariance", model.postures.covariance.shape(), (n, n)),
+        ("posture mean", model.postures.mean.shape(), (n, 1)),
+        ("noise factor", (model.noise.factor.nrows(), 0), (n, 0)),
+    ];
+    for (what, found, wanted) in shapes {
+        if found != wanted {
+            return Err(format!("{what} is {found:?}, not {wanted:?}"));
+        }
+    }
+    let positive = |m: &nalgebra::DMatrix<f64>| {
+        m.iter().all(|v| v.is_finite()) && (m - m.transpose()).amax() < 1e-9 * m.amax() && m.clone().cholesky().is_some()
+    };
+    for (what, matrix) in [("weight", &model.weight), ("posture covariance", &model.postures.covariance)] {
+        if !positive(matrix) {
+            return Err(format!("{what} is not symmetric positive definite"));
+        }
+    }
+    if !(model.noise.correlation_time_s > 0.0) || !(model.noise.speed_floor_m_s >= 0.0) {
+        return Err("noise times and speeds must be positive".to_owned());
+    }
+    Ok(())
+}
