@@ -34,5 +34,6 @@
 //!
 //! Modules import only modules on lower floors; `tests/layers.rs` holds the list and the guard.
 
+pub mod ergonomics;
 pub mod files;
 pub mod math;
