@@ -36,3 +36,5 @@
 
 pub mod files;
 pub mod math;
+pub mod qp;
+pub mod trajectory;
