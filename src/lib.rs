@@ -36,5 +36,6 @@
 
 pub mod files;
 pub mod math;
+pub mod path;
 pub mod qp;
 pub mod trajectory;

@@ -49,18 +49,26 @@ pub struct TimedPath {
 impl TimedPath {
     /// Checks the samples and keeps them.
     pub fn new(time_s: Vec<f64>, poses: Vec<Pose>) -> Result<Self, TrajectoryError> {
-        if time_s.len() < 2 || time_s.len() != poses.len() {
-            return Err(TrajectoryError::Length { times: time_s.len(), poses: poses.len() });
+        let path = Self { time_s, poses };
+        match path.fault() {
+            Some(fault) => Err(fault),
+            None => Ok(path),
         }
-        for (i, t) in time_s.iter().enumerate() {
-            if !t.is_finite() || (i > 0 && *t <= time_s[i - 1]) {
-                return Err(TrajectoryError::Time(i));
-            }
+    }
+
+    /// The first thing that is wrong with the samples; the constructors leave nothing.
+    pub fn fault(&self) -> Option<TrajectoryError> {
+        let (times, poses) = (self.time_s.len(), self.poses.len());
+        if times < 2 || times != poses {
+            return Some(TrajectoryError::Length { times, poses });
         }
-        match poses.iter().position(|p| !is_finite(p)) {
-            Some(i) => Err(TrajectoryError::Pose(i)),
-            None => Ok(Self { time_s, poses }),
+        let is_bad = |i: usize| {
+            !self.time_s[i].is_finite() || (i > 0 && self.time_s[i] <= self.time_s[i - 1])
+        };
+        if let Some(i) = (0..times).find(|i| is_bad(*i)) {
+            return Some(TrajectoryError::Time(i));
         }
+        self.poses.iter().position(|p| !is_finite(p)).map(TrajectoryError::Pose)
     }
 
     /// Samples `pose(t)` at `steps + 1` equidistant times from 0 to `duration_s`.

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 fn solved(problem: &Problem) -> (Vec<f64>, Vec<f64>, f64) {
     match solve(problem) {
         Outcome::Solved { x, z, objective, iterations, is_reduced } => {
-            assert!(iterations > 0 && !is_reduced);
+            assert!(iterations < 50 && !is_reduced);
             (x, z, objective)
         }
         other => panic!("{other:?}"),

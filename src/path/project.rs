@@ -1,0 +1,416 @@
+//! The nearest path that keeps all limits, or the reason why there is none.
+//!
+//! The cheap and exact questions come first: do start and goal lie in the box, is there time for the
+//! turn, is there time for the straight move? Then the quadratic program of [`super::transcription`]
+//! is solved and its jerks are integrated exactly. The end of that integral misses the goal by the
+//! solver's rounding; the least change of the jerks that closes the gap is added (it is of the same
+//! size, hence the margin below the limits), and the result is measured before it is handed out.
+
+use super::limits::{Box3, PathLimits};
+use super::smooth::SmoothPath;
+use super::transcription::{ACCELERATION, JERK, SPEED, Task};
+use crate::math::pose::rotation_between;
+use crate::math::{Pose, Vec3};
+use crate::qp::{Culprit, Outcome, solve};
+use crate::trajectory::{MINIMUM_JERK_PEAK_ACCELERATION, MINIMUM_JERK_PEAK_SPEED, TimedPath};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+/// Shares below the limits that are tried; the second only if rounding ate the first.
+const MARGINS: [f64; 2] = [1e-6, 1e-4];
+/// Largest excess over a limit that counts as rounding, relative (m for the box).
+const TOLERANCE: f64 = 1e-9;
+
+/// How a path is projected.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ProjectionSettings {
+    /// Number of steps T of constant jerk, 4 to 2000.
+    pub steps: usize,
+    /// Weight of the integral of squared jerk against that of squared distance, s^6.
+    pub jerk_weight: f64,
+}
+
+impl Default for ProjectionSettings {
+    fn default() -> Self {
+        Self { steps: 100, jerk_weight: 1e-4 }
+    }
+}
+
+/// What kind of reason stands against a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The input is malformed.
+    Input,
+    /// Start, goal or the way between them leave the workspace box.
+    Workspace,
+    /// There is too little time for the way.
+    Duration,
+    /// There is too little time for the turn.
+    Turn,
+    /// The solver gave no answer.
+    Solver,
+}
+
+/// What came of a projection.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum Projection {
+    /// A path that keeps every limit at every time.
+    Feasible {
+        /// The path.
+        path: SmoothPath,
+        /// Largest distance from the reference at equal times, at the knots, m.
+        moved_m: f64,
+        /// Iterations of the solver, over all solves.
+        iterations: u32,
+    },
+    /// No such path.
+    Infeasible {
+        /// The kind of reason, for counting.
+        cause: Cause,
+        /// The reason in a sentence.
+        reason: String,
+    },
+}
+
+fn infeasible(cause: Cause, reason: impl Into<String>) -> Projection {
+    Projection::Infeasible { cause, reason: reason.into() }
+}
+
+/// Projects `reference` onto the limits. Position: nearest in the mean square, at rest at both ends.
+/// Orientation: from the reference's first to its last by the minimum-jerk law; those between are
+/// not looked at.
+pub fn project(
+    reference: &TimedPath,
+    limits: &PathLimits,
+    settings: &ProjectionSettings,
+) -> Projection {
+    if let Some(reason) = input_fault(reference, limits, settings) {
+        return infeasible(Cause::Input, reason);
+    }
+    let duration = reference.duration_s();
+    let step = duration / settings.steps as f64;
+    let at = |k: usize| reference.pose_at(reference.start_s() + step * k as f64);
+    let (start, goal) = (at(0), at(settings.steps));
+    if let Some(refusal) = refuse_at_once(&start, &goal, duration, limits) {
+        return refusal;
+    }
+    let positions: Vec<Vec3> = (0..=settings.steps).map(|k| at(k).translation.vector).collect();
+    match solve_within(&positions, step, limits, settings) {
+        Ok((jerk, iterations)) => {
+            let path = SmoothPath::integrate(&start, &goal, step, jerk);
+            let moved = path.position.iter().zip(&positions).map(|(p, r)| (p - r).norm());
+            let moved_m = moved.fold(0.0, f64::max);
+            Projection::Feasible { path, moved_m, iterations }
+        }
+        Err(Refusal::Contradiction(culprits)) => {
+            explain(&culprits, &start, &goal, duration, limits, settings)
+        }
+        Err(Refusal::NoAnswer(status)) => infeasible(
+            Cause::Solver,
+            format!("the solver stopped without an answer ({status}); the path is left out"),
+        ),
+    }
+}
+
+/// The shortest duration (s) of a rest-to-rest move from start to goal that the projection can
+/// carry out, at most 2 % too long; `None` if start or goal is outside the box or input malformed.
+pub fn shortest_duration_s(
+    start: &Pose,
+    goal: &Pose,
+    limits: &PathLimits,
+    settings: &ProjectionSettings,
+) -> Option<f64> {
+    let ends = TimedPath::new(vec![0.0, 1.0], vec![*start, *goal]).ok()?;
+    if input_fault(&ends, limits, settings).is_some() || outside(start, goal, limits).is_some() {
+        return None;
+    }
+    let turn = shortest_turn_s(start, goal, limits);
+    let mut duration = shortest_straight_s(start, goal, limits).max(turn).max(1e-3);
+    for _ in 0..100 {
+        let line = |k: usize| {
+            let s = k as f64 / settings.steps as f64;
+            start.translation.vector.lerp(&goal.translation.vector, s)
+        };
+        let positions: Vec<Vec3> = (0..=settings.steps).map(line).collect();
+        let step = duration / settings.steps as f64;
+        if solve_within(&positions, step, limits, settings).is_ok() {
+            return Some(duration);
+        }
+        duration *= 1.02;
+    }
+    None
+}
+
+fn input_fault(
+    reference: &TimedPath,
+    limits: &PathLimits,
+    settings: &ProjectionSettings,
+) -> Option<String> {
+    if let Some(fault) = reference.fault() {
+        return Some(fault.to_string());
+    }
+    if !(4..=2000).contains(&settings.steps) {
+        return Some(format!("the number of steps must be 4 to 2000 and is {}", settings.steps));
+    }
+    if !(settings.jerk_weight > 0.0 && settings.jerk_weight.is_finite()) {
+        return Some("the weight of the jerk must be a positive number".to_owned());
+    }
+    limits.fault()
+}
+
+/// The questions that need no solver.
+fn refuse_at_once(
+    start: &Pose,
+    goal: &Pose,
+    duration: f64,
+    limits: &PathLimits,
+) -> Option<Projection> {
+    if let Some(reason) = outside(start, goal, limits) {
+        return Some(infeasible(Cause::Workspace, reason));
+    }
+    let turn = shortest_turn_s(start, goal, limits);
+    if turn > duration * (1.0 + TOLERANCE) {
+        let angle = rotation_between(&start.rotation, &goal.rotation).norm().to_degrees();
+        let reason = format!(
+            "{duration:.2} s is too short: at {} rad/s and {} rad/s^2 the turn of {angle:.0} deg \
+             needs at least {} s",
+            limits.angular_speed_rad_s,
+            limits.angular_acceleration_rad_s2,
+            rounded_up(turn)
+        );
+        return Some(infeasible(Cause::Turn, reason));
+    }
+    let straight = shortest_straight_s(start, goal, limits);
+    (straight > duration).then(|| too_short(start, goal, duration, limits, straight))
+}
+
+fn too_short(
+    start: &Pose,
+    goal: &Pose,
+    duration: f64,
+    limits: &PathLimits,
+    needed: f64,
+) -> Projection {
+    let distance = (goal.translation.vector - start.translation.vector).norm();
+    let reason = format!(
+        "{duration:.2} s is too short: at {} m/s, {} m/s^2 and {} m/s^3 a path over {distance:.2} m \
+         needs at least {} s",
+        limits.speed_m_s,
+        limits.acceleration_m_s2,
+        limits.jerk_m_s3,
+        rounded_up(needed)
+    );
+    infeasible(Cause::Duration, reason)
+}
+
+/// Hundredths of a second, upward.
+fn rounded_up(seconds: f64) -> String {
+    format!("{:.2}", (seconds * 100.0).ceil() / 100.0)
+}
+
+/// The sentence for a start or goal outside the box.
+fn outside(start: &Pose, goal: &Pose, limits: &PathLimits) -> Option<String> {
+    let inner = limits.workspace.as_ref()?;
+    let find = |name: &str, pose: &Pose| {
+        let p = pose.translation.vector;
+        let (axis, is_upper) =
+            Box3::faces().find(|(axis, up)| inner.excess(&p, *axis, *up) > 0.0)?;
+        let (face, letter) = (inner.face(axis, is_upper), ["x", "y", "z"][axis]);
+        Some(format!("{name} outside the workspace box ({face}; its {letter} is {:.3} m)", p[axis]))
+    };
+    find("start", start).or_else(|| find("goal", goal))
+}
+
+/// Shortest duration of the turn under the minimum-jerk law, s.
+fn shortest_turn_s(start: &Pose, goal: &Pose, limits: &PathLimits) -> f64 {
+    let angle = rotation_between(&start.rotation, &goal.rotation).norm();
+    let by_speed = MINIMUM_JERK_PEAK_SPEED * angle / limits.angular_speed_rad_s;
+    let by_acceleration =
+        (MINIMUM_JERK_PEAK_ACCELERATION * angle / limits.angular_acceleration_rad_s2).sqrt();
+    by_speed.max(by_acceleration)
+}
+
+/// A duration (s) below which no rest-to-rest path from start to goal exists: the motion along the
+/// straight line alone takes as long. The jerk box allows `j_max |e|_1` along a direction `e`.
+fn shortest_straight_s(start: &Pose, goal: &Pose, limits: &PathLimits) -> f64 {
+    let way = goal.translation.vector - start.translation.vector;
+    let distance = way.norm();
+    if distance == 0.0 {
+        return 0.0;
+    }
+    let (v, a) = (limits.speed_m_s, limits.acceleration_m_s2);
+    let j = limits.jerk_m_s3 * way.abs().sum() / distance;
+    // From rest to a speed u, reached at zero acceleration.
+    let rise = |u: f64| if u * j >= a * a { a / j + u / a } else { 2.0 * (u / j).sqrt() };
+    if distance >= v * rise(v) {
+        return distance / v + rise(v);
+    }
+    // Up to the peak speed u with u rise(u) = distance, and down again.
+    let ramp = a / j;
+    let peak = a / 2.0 * ((ramp * ramp + 4.0 * distance / a).sqrt() - ramp);
+    if peak * j >= a * a { 2.0 * rise(peak) } else { (32.0 * distance / j).cbrt() }
+}
+
+/// Why the program gave no path.
+enum Refusal {
+    Contradiction(Vec<Culprit>),
+    NoAnswer(String),
+}
+
+/// Solves for the jerks; faces of the box enter once a solution has crossed them.
+fn solve_within(
+    reference: &[Vec3],
+    step_s: f64,
+    limits: &PathLimits,
+    settings: &ProjectionSettings,
+) -> Result<(Vec<Vec3>, u32), Refusal> {
+    let mut faces: Vec<(usize, bool)> = Vec::new();
+    let mut spent = 0;
+    for margin in MARGINS {
+        // Each round but the last adds a face, and there are six.
+        for _ in 0..=6 {
+            let task = Task {
+                reference,
+                step_s,
+                limits,
+                jerk_weight: settings.jerk_weight,
+                margin,
+                faces: &faces,
+            };
+            let x = match solve(&task.problem()) {
+                Outcome::Solved { x, iterations, .. } => {
+                    spent += iterations;
+                    x
+                }
+                Outcome::PrimalInfeasible { culprits } => {
+                    return Err(Refusal::Contradiction(culprits));
+                }
+                Outcome::DualInfeasible => return Err(Refusal::NoAnswer("unbounded".to_owned())),
+                Outcome::NotConverged { status } => {
+                    return Err(Refusal::NoAnswer(format!("{status:?}")));
+                }
+            };
+            let (first, last) = (reference[0], reference[reference.len() - 1]);
+            let jerk = closing(&first, &last, step_s, task.jerks(&x));
+            let path = integrated(&first, step_s, jerk);
+            let crossed = crossed_faces(&path, limits);
+            let before = faces.len();
+            faces
+                .extend(crossed.iter().filter(|f| !faces.contains(f)).copied().collect::<Vec<_>>());
+            if crossed.is_empty() && is_within(&path, limits) {
+                return Ok((path.jerk, spent));
+            }
+            if faces.len() == before {
+                break;
+            }
+        }
+    }
+    Err(Refusal::NoAnswer("the solution is not accurate enough".to_owned()))
+}
+
+/// Positions and derivatives of a jerk profile; the orientation plays no part here.
+fn integrated(first: &Vec3, step_s: f64, jerk: Vec<Vec3>) -> SmoothPath {
+    let still = Pose::translation(first.x, first.y, first.z);
+    SmoothPath::integrate(&still, &still, step_s, jerk)
+}
+
+/// The jerks nearest to `jerk` whose path ends at rest at `last`.
+///
+/// The end state is linear in the jerks: jerk k moves it by `c_k` per axis, so the least change is
+/// `c_k . G^-1 (wanted - reached)` with `G = sum c_k c_k^T`. In units of the whole duration, for the
+/// conditioning of G. The second round removes the rounding of the first.
+fn closing(first: &Vec3, last: &Vec3, step_s: f64, mut jerk: Vec<Vec3>) -> Vec<Vec3> {
+    let steps = jerk.len();
+    let h = 1.0 / steps as f64;
+    let effect = |k: usize| {
+        // Time left after step k, in units of the duration.
+        let e = (steps - k - 1) as f64 * h;
+        Vec3::new(h * (h * h / 6.0 + h * e / 2.0 + e * e / 2.0), h * (h / 2.0 + e), h)
+    };
+    let gram: Matrix3<f64> = (0..steps).map(|k| effect(k) * effect(k).transpose()).sum();
+    let Some(inverse) = gram.try_inverse() else { return jerk };
+    let duration = step_s * steps as f64;
+    for _ in 0..2 {
+        let path = integrated(first, step_s, jerk);
+        let (p, v, a) = (path.position[steps], path.velocity[steps], path.acceleration[steps]);
+        jerk = path.jerk;
+        for axis in 0..3 {
+            let gap = Vec3::new(
+                (last[axis] - p[axis]) / duration.powi(3),
+                -v[axis] / duration.powi(2),
+                -a[axis] / duration,
+            );
+            let weights = inverse * gap;
+            for (k, j) in jerk.iter_mut().enumerate() {
+                j[axis] += effect(k).dot(&weights);
+            }
+        }
+    }
+    jerk
+}
+
+/// Bezier points of the position in step `k`.
+fn position_hull(path: &SmoothPath, k: usize) -> [Vec3; 4] {
+    let h = path.step_s;
+    let (p, v, a) = (path.position[k], path.velocity[k], path.acceleration[k]);
+    [p, p + v * (h / 3.0), p + v * (h * 2.0 / 3.0) + a * (h * h / 6.0), path.position[k + 1]]
+}
+
+/// Faces of the box that the hull of some step crosses.
+fn crossed_faces(path: &SmoothPath, limits: &PathLimits) -> Vec<(usize, bool)> {
+    let Some(inner) = &limits.workspace else { return Vec::new() };
+    let is_crossed = |&(axis, is_upper): &(usize, bool)| {
+        (0..path.steps()).any(|k| {
+            let hull = position_hull(path, k);
+            hull.iter().any(|p| inner.excess(p, axis, is_upper) > TOLERANCE / 2.0)
+        })
+    };
+    Box3::faces().filter(is_crossed).collect()
+}
+
+/// Whether the hulls of speed, acceleration and jerk keep their limits.
+fn is_within(path: &SmoothPath, limits: &PathLimits) -> bool {
+    let room = 1.0 + TOLERANCE / 2.0;
+    let (v, a) = (limits.speed_m_s * room, limits.acceleration_m_s2 * room);
+    let j = limits.jerk_m_s3 * room;
+    let half = path.step_s / 2.0;
+    (0..path.steps()).all(|k| {
+        path.velocity[k].norm() <= v
+            && (path.velocity[k] + path.acceleration[k] * half).norm() <= v
+            && path.acceleration[k].norm() <= a
+            && path.jerk[k].amax() <= j
+    })
+}
+
+/// The sentence for a contradiction. The box is convex and holds start and goal, so that the straight
+/// way is in it: what is missing is time, by less than the discretisation costs, or else the limits
+/// of the certificate are named as they are.
+fn explain(
+    culprits: &[Culprit],
+    start: &Pose,
+    goal: &Pose,
+    duration: f64,
+    limits: &PathLimits,
+    settings: &ProjectionSettings,
+) -> Projection {
+    if let Some(needed) = shortest_duration_s(start, goal, limits, settings)
+        && needed > duration
+    {
+        return too_short(start, goal, duration, limits, needed);
+    }
+    let is_limit = |c: &&Culprit| {
+        [SPEED, ACCELERATION, JERK].contains(&c.label.as_str()) || c.label.starts_with("workspace")
+    };
+    let labels: Vec<&str> = culprits.iter().filter(is_limit).map(|c| c.label.as_str()).collect();
+    let cause = if labels.first().is_some_and(|l| l.starts_with("workspace")) {
+        Cause::Workspace
+    } else {
+        Cause::Duration
+    };
+    infeasible(cause, format!("these limits contradict each other: {}", labels.join(", ")))
+}
+
+#[cfg(test)]
+mod tests;
