@@ -274,7 +274,8 @@ fn culprits(problem: &Problem, z: &[f64]) -> Vec<Culprit> {
     }
     let total: f64 = found.iter().map(|f| f.1).sum();
     let heaviest = found.iter().map(|f| f.2).fold(0.0, f64::max);
-    found.retain(|f| f.1 > 1e-6 * total || f.2 > 1e-6 * heaviest);
+    // An interior-point certificate leaves small multipliers on rows that do not matter.
+    found.retain(|f| f.1 > 1e-3 * total || f.2 > 1e-3 * heaviest);
     found.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.2.total_cmp(&a.2)));
     let share = |part: f64| if total > 0.0 { part / total } else { 0.0 };
     found

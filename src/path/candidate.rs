@@ -184,16 +184,27 @@ pub fn candidates(
     made
 }
 
-/// The candidate through the user's via-points, spaced along the spline by the chords between them;
-/// a point that repeats its neighbour is left out.
-pub fn drawn(id: impl Into<String>, vias: &[Vec3], start: &Pose, goal: &Pose) -> Candidate {
+/// The candidate through the user's via-points (world, m), spaced along the spline by the chords
+/// between them; a point that repeats its neighbour is left out, one that is not finite is refused by
+/// its index.
+pub fn drawn(
+    id: impl Into<String>,
+    vias: &[Vec3],
+    start: &Pose,
+    goal: &Pose,
+) -> Result<Candidate, TrajectoryError> {
     let (first, last) = (start.translation.vector, goal.translation.vector);
+    if let Some(i) = vias.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(TrajectoryError::Pose(i));
+    }
     let mut points: Vec<Vec3> = Vec::with_capacity(vias.len());
     for via in vias {
-        let before = points.last().unwrap_or(&first);
-        if (via - before).norm() > 1e-6 && (via - last).norm() > 1e-6 {
+        if (via - points.last().unwrap_or(&first)).norm() > 1e-6 {
             points.push(*via);
         }
+    }
+    if points.last().is_some_and(|p| (p - last).norm() <= 1e-6) {
+        points.pop();
     }
     let mut covered = 0.0;
     let mut before = first;
@@ -205,7 +216,7 @@ pub fn drawn(id: impl Into<String>, vias: &[Vec3], start: &Pose, goal: &Pose) ->
     }
     along.pop();
     let parameters = along.iter().map(|c| inverse_ease(c / covered)).collect();
-    Candidate { id: id.into(), family: Family::Drawn, vias: points, parameters }
+    Ok(Candidate { id: id.into(), family: Family::Drawn, vias: points, parameters })
 }
 
 /// The candidate as a timed path, `steps + 1` samples over `duration_s`, without regard to limits:

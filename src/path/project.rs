@@ -127,20 +127,30 @@ pub fn shortest_duration_s(
         return None;
     }
     let turn = shortest_turn_s(start, goal, limits);
-    let mut duration = shortest_straight_s(start, goal, limits).max(turn).max(1e-3);
-    for _ in 0..100 {
-        let line = |k: usize| {
-            let s = k as f64 / settings.steps as f64;
-            start.translation.vector.lerp(&goal.translation.vector, s)
-        };
-        let positions: Vec<Vec3> = (0..=settings.steps).map(line).collect();
-        let step = duration / settings.steps as f64;
-        if solve_within(&positions, step, limits, settings).is_ok() {
-            return Some(duration);
+    let line = |k: usize| {
+        let s = k as f64 / settings.steps as f64;
+        start.translation.vector.lerp(&goal.translation.vector, s)
+    };
+    let positions: Vec<Vec3> = (0..=settings.steps).map(line).collect();
+    let is_enough = |duration: f64| {
+        solve_within(&positions, duration / settings.steps as f64, limits, settings).is_ok()
+    };
+    // Outward in growing strides from the exact bound, then inward by halving.
+    let mut low = shortest_straight_s(start, goal, limits).max(turn).max(1e-3);
+    let mut high = low;
+    let mut stride = 1.02;
+    while !is_enough(high) {
+        if stride > 100.0 {
+            return None;
         }
-        duration *= 1.02;
+        (low, high) = (high, high * stride);
+        stride *= stride;
     }
-    None
+    while high > 1.02 * low {
+        let middle = (low * high).sqrt();
+        if is_enough(middle) { high = middle } else { low = middle }
+    }
+    Some(high)
 }
 
 fn input_fault(
@@ -259,14 +269,19 @@ enum Refusal {
     NoAnswer(String),
 }
 
-/// Solves for the jerks; faces of the box enter once a solution has crossed them.
+/// Solves for the jerks. Only those faces of the box enter that the reference crosses, or else a
+/// solution has crossed: the others hold anyway, and each costs as many rows as the speed.
 fn solve_within(
     reference: &[Vec3],
     step_s: f64,
     limits: &PathLimits,
     settings: &ProjectionSettings,
 ) -> Result<(Vec<Vec3>, u32), Refusal> {
-    let mut faces: Vec<(usize, bool)> = Vec::new();
+    let is_outside = |&(axis, is_upper): &(usize, bool)| {
+        let inner = limits.workspace.as_ref();
+        inner.is_some_and(|b| reference.iter().any(|p| b.excess(p, axis, is_upper) > 0.0))
+    };
+    let mut faces: Vec<(usize, bool)> = Box3::faces().filter(is_outside).collect();
     let mut spent = 0;
     for margin in MARGINS {
         // Each round but the last adds a face, and there are six.

@@ -54,13 +54,13 @@ fn j(knot: usize, axis: usize) -> usize {
 
 /// The unit-free ratios of the dynamics.
 struct Ratios {
-    /// a_max dt / v_max.
+    /// `a_max dt / v_max`.
     av: f64,
-    /// j_max dt^2 / v_max.
+    /// `j_max dt^2 / v_max`.
     jv: f64,
-    /// j_max dt / a_max.
+    /// `j_max dt / a_max`.
     ja: f64,
-    /// Length of one unit of position, v_max dt, m.
+    /// Length of one unit of position, `v_max dt`, m.
     length: f64,
 }
 

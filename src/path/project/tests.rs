@@ -163,6 +163,33 @@ fn nonsense_is_refused_without_panic() {
 }
 
 #[test]
+fn the_solution_is_optimal_by_its_own_conditions() {
+    let limits = PathLimits::default();
+    for distance in [0.4, 0.8] {
+        let path = line(distance, 4.0);
+        let reference: Vec<Vec3> = path.poses.iter().map(|p| p.translation.vector).collect();
+        let (step_s, margin) = (0.04, MARGINS[0]);
+        let task = Task {
+            reference: &reference,
+            step_s,
+            limits: &limits,
+            jerk_weight: 1e-4,
+            margin,
+            faces: &[],
+        };
+        let problem = task.problem();
+        let Outcome::Solved { x, z, .. } = solve(&problem) else { panic!() };
+        let r = crate::qp::residuals(&problem, &x, &z).unwrap();
+        for value in [r.equality, r.cone, r.dual_cone] {
+            assert!(value < 1e-6, "{r:?}");
+        }
+        // Multipliers grow with the cost of the way that is cut off, some 1e3 here.
+        let largest = z.iter().map(|v| v.abs()).fold(1.0, f64::max);
+        assert!(r.stationarity < 1e-6 * largest && r.complementarity < 1e-6 * largest, "{r:?}");
+    }
+}
+
+#[test]
 fn standing_still_is_feasible() {
     let (path, moved) = feasible(default_project(&line(0.0, 2.0), &PathLimits::default()));
     assert!(moved < 1e-9 && path.velocity.iter().all(|v| v.norm() < 1e-9));

@@ -40,11 +40,11 @@ fn samples_of_the_minimum_jerk_line_show_its_closed_form_peaks() {
 
 #[test]
 fn too_fast_and_not_at_rest_are_seen() {
+    use Quantity::{Acceleration, AngularAcceleration, AngularSpeed, Jerk, Speed};
     let (start, goal) = ends(0.4, 2.0);
     let fast = minimum_jerk_line(&start, &goal, 1.0, 100).unwrap();
     let found = verify_samples(&fast, &PathLimits::default());
     let broken: Vec<_> = found.violations().map(|c| c.quantity).collect();
-    use Quantity::{Acceleration, AngularAcceleration, AngularSpeed, Jerk, Speed};
     assert_eq!(broken, [Speed, Acceleration, Jerk, AngularSpeed, AngularAcceleration]);
     // Constant speed from the first moment on, within every other limit but the jerk it takes.
     let moving = TimedPath::sample(4.0, 200, |t| Pose::translation(0.1 * t, 0.0, 0.0)).unwrap();
@@ -57,7 +57,7 @@ fn too_fast_and_not_at_rest_are_seen() {
 fn uneven_times_and_rounded_positions_do_no_harm() {
     let (start, goal) = ends(0.4, 0.6);
     let even = minimum_jerk_line(&start, &goal, 4.0, 2000).unwrap();
-    let keep = |i: &usize| i % 7 == 0 || i % 3 == 0 || *i == 2000;
+    let keep = |i: &usize| i.is_multiple_of(7) || i.is_multiple_of(3) || *i == 2000;
     let (mut time, mut poses) = (Vec::new(), Vec::new());
     for i in (0..=2000).filter(keep) {
         time.push(even.time_s[i]);
