@@ -6,6 +6,7 @@
 //! [`verify`] and [`verify_samples`] measure any path against the limits by other code.
 //! Positions are those of the TCP in the world, m.
 
+mod bounds;
 mod candidate;
 mod limits;
 mod project;

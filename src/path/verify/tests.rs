@@ -72,8 +72,8 @@ fn uneven_times_and_rounded_positions_do_no_harm() {
 }
 
 fn smooth() -> SmoothPath {
-    // Bang-bang jerk in y: rest to rest over 0.16 m in 1.6 s.
-    let (start, goal) = ends(0.08, 0.3);
+    // Bang-bang jerk in y: rest to rest over 0.128 m in 1.6 s.
+    let (start, goal) = ends(0.128, 0.3);
     let jerk = [1.0, -1.0, -1.0, 1.0].map(|j| Vec3::y() * j);
     SmoothPath::integrate(&start, &goal, 0.4, jerk.to_vec())
 }
