@@ -40,5 +40,8 @@ pub mod files;
 pub mod human;
 pub mod kinematics;
 pub mod math;
+pub mod path;
 pub mod posture;
+pub mod qp;
 pub mod recording;
+pub mod trajectory;

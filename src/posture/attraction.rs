@@ -87,7 +87,14 @@ struct Stored {
 
 impl From<Stored> for Attraction {
     fn from(s: Stored) -> Self {
-        Self::assemble(s.rate_per_s, s.length_scale, s.noise_variance, s.features, s.inputs, s.postures_rad)
+        Self::assemble(
+            s.rate_per_s,
+            s.length_scale,
+            s.noise_variance,
+            s.features,
+            s.inputs,
+            s.postures_rad,
+        )
     }
 }
 

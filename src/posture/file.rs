@@ -84,9 +84,13 @@ fn check(model: &PostureModel) -> Result<(), String> {
         }
     }
     let positive = |m: &nalgebra::DMatrix<f64>| {
-        m.iter().all(|v| v.is_finite()) && (m - m.transpose()).amax() < 1e-9 * m.amax() && m.clone().cholesky().is_some()
+        m.iter().all(|v| v.is_finite())
+            && (m - m.transpose()).amax() < 1e-9 * m.amax()
+            && m.clone().cholesky().is_some()
     };
-    for (what, matrix) in [("weight", &model.weight), ("posture covariance", &model.postures.covariance)] {
+    for (what, matrix) in
+        [("weight", &model.weight), ("posture covariance", &model.postures.covariance)]
+    {
         if !positive(matrix) {
             return Err(format!("{what} is not symmetric positive definite"));
         }

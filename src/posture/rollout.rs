@@ -140,8 +140,8 @@ impl Coupling {
         let mut error = pose_error(from, to);
         if self.hold == Hold::FreeRoll {
             let (a, b) = (from.rotation * Vec3::z(), to.rotation * Vec3::z());
-            let turn = UnitQuaternion::rotation_between(&a, &b)
-                .map_or(Vec3::zeros(), |r| r.scaled_axis());
+            let turn =
+                UnitQuaternion::rotation_between(&a, &b).map_or(Vec3::zeros(), |r| r.scaled_axis());
             error.fixed_rows_mut::<3>(3).copy_from(&turn);
         }
         self.task_part(&error, from)

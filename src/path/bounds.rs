@@ -1,0 +1,106 @@
+//! Reasons against a move that are exact and need no solver: start or goal outside the box, too
+//! little time for the turn, too little time for the straight way.
+//!
+//! Straight rest-to-rest way `L` under speed `v`, acceleration `a` and jerk `j`: rising from rest to
+//! a speed `u` takes `a/j + u/a` (or `2 sqrt(u/j)` if `a` is not reached) and covers half of `u`
+//! times that; the rest of the way is covered at `v`.
+
+use super::limits::{Box3, PathLimits};
+use super::project::{Cause, Projection, TOLERANCE, infeasible};
+use crate::math::Pose;
+use crate::math::pose::rotation_between;
+use crate::trajectory::{MINIMUM_JERK_PEAK_ACCELERATION, MINIMUM_JERK_PEAK_SPEED};
+
+/// The questions that need no solver.
+pub(super) fn refuse_at_once(
+    start: &Pose,
+    goal: &Pose,
+    duration: f64,
+    limits: &PathLimits,
+) -> Option<Projection> {
+    if let Some(reason) = outside(start, goal, limits) {
+        return Some(infeasible(Cause::Workspace, reason));
+    }
+    let turn = shortest_turn_s(start, goal, limits);
+    if turn > duration * (1.0 + TOLERANCE) {
+        let angle = rotation_between(&start.rotation, &goal.rotation).norm().to_degrees();
+        let reason = format!(
+            "{duration:.2} s is too short: at {} rad/s and {} rad/s^2 the turn of {angle:.0} deg \
+             needs at least {} s",
+            limits.angular_speed_rad_s,
+            limits.angular_acceleration_rad_s2,
+            rounded_up(turn)
+        );
+        return Some(infeasible(Cause::Turn, reason));
+    }
+    let straight = shortest_straight_s(start, goal, limits);
+    (straight > duration).then(|| too_short(start, goal, duration, limits, straight))
+}
+
+/// The sentence for a duration below the `needed` one, s.
+pub(super) fn too_short(
+    start: &Pose,
+    goal: &Pose,
+    duration: f64,
+    limits: &PathLimits,
+    needed: f64,
+) -> Projection {
+    let distance = (goal.translation.vector - start.translation.vector).norm();
+    let reason = format!(
+        "{duration:.2} s is too short: at {} m/s, {} m/s^2 and {} m/s^3 a path over {distance:.2} m \
+         needs at least {} s",
+        limits.speed_m_s,
+        limits.acceleration_m_s2,
+        limits.jerk_m_s3,
+        rounded_up(needed)
+    );
+    infeasible(Cause::Duration, reason)
+}
+
+/// Hundredths of a second, upward.
+fn rounded_up(seconds: f64) -> String {
+    format!("{:.2}", (seconds * 100.0).ceil() / 100.0)
+}
+
+/// The sentence for a start or goal outside the box.
+pub(super) fn outside(start: &Pose, goal: &Pose, limits: &PathLimits) -> Option<String> {
+    let inner = limits.workspace.as_ref()?;
+    let find = |name: &str, pose: &Pose| {
+        let p = pose.translation.vector;
+        let (axis, is_upper) =
+            Box3::faces().find(|(axis, up)| inner.excess(&p, *axis, *up) > 0.0)?;
+        let (face, letter) = (inner.face(axis, is_upper), ["x", "y", "z"][axis]);
+        Some(format!("{name} outside the workspace box ({face}; its {letter} is {:.3} m)", p[axis]))
+    };
+    find("start", start).or_else(|| find("goal", goal))
+}
+
+/// Shortest duration of the turn under the minimum-jerk law, s.
+pub(super) fn shortest_turn_s(start: &Pose, goal: &Pose, limits: &PathLimits) -> f64 {
+    let angle = rotation_between(&start.rotation, &goal.rotation).norm();
+    let by_speed = MINIMUM_JERK_PEAK_SPEED * angle / limits.angular_speed_rad_s;
+    let by_acceleration =
+        (MINIMUM_JERK_PEAK_ACCELERATION * angle / limits.angular_acceleration_rad_s2).sqrt();
+    by_speed.max(by_acceleration)
+}
+
+/// A duration (s) below which no rest-to-rest path from start to goal exists: the motion along the
+/// straight line alone takes as long. The jerk box allows `j_max |e|_1` along a direction `e`.
+pub(super) fn shortest_straight_s(start: &Pose, goal: &Pose, limits: &PathLimits) -> f64 {
+    let way = goal.translation.vector - start.translation.vector;
+    let distance = way.norm();
+    if distance == 0.0 {
+        return 0.0;
+    }
+    let (v, a) = (limits.speed_m_s, limits.acceleration_m_s2);
+    let j = limits.jerk_m_s3 * way.abs().sum() / distance;
+    // From rest to a speed u, reached at zero acceleration.
+    let rise = |u: f64| if u * j >= a * a { a / j + u / a } else { 2.0 * (u / j).sqrt() };
+    if distance >= v * rise(v) {
+        return distance / v + rise(v);
+    }
+    // Up to the peak speed u with u rise(u) = distance, and down again.
+    let ramp = a / j;
+    let peak = a / 2.0 * ((ramp * ramp + 4.0 * distance / a).sqrt() - ramp);
+    if peak * j >= a * a { 2.0 * rise(peak) } else { (32.0 * distance / j).cbrt() }
+}
