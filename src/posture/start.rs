@@ -16,7 +16,12 @@ use nalgebra::DVector;
 
 /// Residual of the hand (m and rad) at which a start posture is accepted.
 const TOLERANCE: f64 = 1e-8;
-const MOST_ITERATIONS: usize = 200;
+const SEARCH_ITERATIONS: usize = 60;
+const MOST_ITERATIONS: usize = 80;
+/// Change of a joint (rad) below which the nearest posture is found.
+const SETTLED: f64 = 1e-6;
+/// Largest error of the hand that one iteration tries to close, m.
+const LARGEST_ERROR_M: f64 = 0.1;
 /// Largest change of a joint in one iteration, rad.
 const LARGEST_STEP: f64 = 0.3;
 
@@ -78,22 +83,38 @@ fn reach(
     wish: &DVector<f64>,
     hand: &Pose,
 ) -> Option<DVector<f64>> {
+    // From the wish itself; where that fails (limits in the way), from the mean posture.
+    [wish, &postures.mean]
+        .into_iter()
+        .find_map(|from| reach_from(coupling, postures, wish, hand, from))
+}
+
+fn reach_from(
+    coupling: &Coupling,
+    postures: &PostureDistribution,
+    wish: &DVector<f64>,
+    hand: &Pose,
+    from: &DVector<f64>,
+) -> Option<DVector<f64>> {
     let limits = coupling.limits();
     let mut solver = StepSolver::new(postures.covariance.clone());
     let mut frames = Frames::default();
     let clamp = |i: usize, v: f64| v.clamp(limits.lower[i], limits.upper[i]);
-    let mut q = DVector::from_fn(wish.len(), |i, _| clamp(i, wish[i]));
-    let mut largest_before = f64::INFINITY;
-    for _ in 0..MOST_ITERATIONS {
+    let mut q = DVector::from_fn(from.len(), |i, _| clamp(i, from[i]));
+    for iteration in 0..MOST_ITERATIONS {
         let now = coupling.observe(&q, &mut frames);
         let error = coupling.task_error(&now.pose, hand);
-        let step = solver.solve(&q, &now.jacobian, &error, &(wish - &q), limits, 1.0).ok()?;
+        let size = error.rows(0, 3).amax().max(0.4 * error.rows_range(3..).amax());
+        let is_polish = iteration >= SEARCH_ITERATIONS;
+        // Short steps keep the linearised limits meaningful while the hand is far away; shorter ones
+        // later end any switching of bounds. The polish only closes the rest of the error.
+        let calm = if iteration < SEARCH_ITERATIONS / 2 { 1.0 } else { 0.5 };
+        let part = (LARGEST_ERROR_M / size).min(1.0) * if is_polish { 1.0 } else { calm };
+        let wanted = if is_polish { DVector::zeros(q.len()) } else { (wish - &q) * part };
+        let step = solver.solve(&q, &now.jacobian, &(&error * part), &wanted, limits, 1.0).ok()?;
         let largest = step.amax();
-        if error.amax() < TOLERANCE && (largest < 1e-6 || largest >= 0.5 * largest_before) {
+        if error.amax() < TOLERANCE && (is_polish || largest < SETTLED) {
             return Some(q);
-        }
-        if error.amax() < TOLERANCE {
-            largest_before = largest;
         }
         q += &step * (LARGEST_STEP / largest).min(1.0);
     }

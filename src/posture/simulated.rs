@@ -1,0 +1,279 @@
+//! A simulated operator: a person made up for demonstrations and tests, never to be taken for data.
+//!
+//! It copies what real recordings show: one trunk rotation spread over the four spine joints (slopes
+//! 1, 0.44, 0.44, 0.33), so that the joint velocities have rank 15 of 24; a shoulder that moves with
+//! the elbow; arm joints that move far more than the spine; a posture law that bends the trunk for
+//! low and far places; and correlated noise. All numbers here are inventions.
+
+use super::attraction::Attraction;
+use super::model::{Method, PostureDistribution, PostureModel, Provenance};
+use super::noise::Noise;
+use super::rollout::{Coupling, Hold};
+use super::start::{StartRule, start_postures};
+use crate::files::InputError;
+use crate::human::{Body, Side};
+use crate::math::pose::rotation_from_axes;
+use crate::math::{Pose, Vec3};
+use nalgebra::{DMatrix, DVector};
+
+const SPINE_SHARE: [f64; 4] = [1.0, 0.44, 0.44, 0.33];
+
+/// The person's usual posture with a hand before the chest, deg: (joint without side, Z, X, Y).
+const COMFORT: &[(&str, [f64; 3])] = &[
+    ("C7Shoulder", [0.0, -2.0, 2.0]),
+    ("Shoulder", [20.0, -18.0, 12.0]),
+    ("Elbow", [75.0, 3.0, 95.0]),
+    ("Wrist", [-8.0, 2.0, 0.0]),
+];
+/// Standard deviation of the usual posture by joint and axis, deg.
+const SPREAD: &[(&str, [f64; 3])] = &[
+    ("C7Shoulder", [1.0, 3.0, 4.0]),
+    ("Shoulder", [16.0, 11.0, 13.0]),
+    ("Elbow", [16.0, 2.0, 16.0]),
+    ("Wrist", [10.0, 6.0, 1.0]),
+];
+/// Standard deviation of the trunk's Z, X, Y rotation as a whole, deg.
+const TRUNK_SPREAD: [f64; 3] = [9.0, 3.5, 6.0];
+
+/// The simulated operator in a body of any size.
+pub fn simulated_operator(body: &Body, side: Side) -> Result<PostureModel, InputError> {
+    let coupling = Coupling::new(body, side, Hold::Rigid)?;
+    let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
+    let mean = comfort(&joints, side);
+    let spread = covariance(&joints);
+    let postures = PostureDistribution { mean, covariance: spread.clone() };
+    // Velocities: as the postures spread, with the elbow and the shoulder's flexion tied.
+    let mut weight = spread.clone();
+    let column = |name: &str| joints.iter().position(|j| j.ends_with(name));
+    if let (Some(s), Some(e)) = (column("Shoulder_Z").filter(|_| true), column("Elbow_Z")) {
+        let s = joints
+            .iter()
+            .position(|j| j.ends_with("tShoulder_Z") && !j.contains("C7"))
+            .unwrap_or(s);
+        let tie = -0.6 * (weight[(s, s)] * weight[(e, e)]).sqrt();
+        weight[(s, e)] = tie;
+        weight[(e, s)] = tie;
+    }
+    let attraction = posture_law(&coupling, &postures, body, side)?;
+    let noise =
+        Noise { factor: noise_factor(&spread), correlation_time_s: 0.35, speed_floor_m_s: 0.05 };
+    Ok(PostureModel {
+        name: "simulated operator (truth)".to_owned(),
+        method: Method::FullW,
+        side,
+        size: body.size,
+        joints,
+        weight,
+        attraction: Some(attraction),
+        gp: None,
+        noise,
+        postures,
+        quality: Vec::new(),
+        provenance: Provenance {
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            simulated: true,
+            recordings: Vec::new(),
+            body: (body.name.clone(), body.sha256()),
+            settings: Vec::new(),
+            notes: vec!["made up, not measured".to_owned()],
+        },
+    })
+}
+
+/// Side, joint kind and axis of a column such as `jRightElbow_Z`.
+fn parts(joint: &str) -> (&str, usize) {
+    let axis = match joint.rsplit('_').next() {
+        Some("Z") => 0,
+        Some("X") => 1,
+        _ => 2,
+    };
+    let bare = joint.trim_start_matches('j').split('_').next().unwrap_or_default();
+    (bare.trim_start_matches("Right").trim_start_matches("Left"), axis)
+}
+
+fn lookup(table: &[(&str, [f64; 3])], kind: &str, axis: usize) -> f64 {
+    table.iter().find(|(k, _)| *k == kind).map_or(0.0, |(_, v)| v[axis])
+}
+
+fn comfort(joints: &[String], side: Side) -> DVector<f64> {
+    DVector::from_iterator(
+        joints.len(),
+        joints.iter().map(|j| {
+            let (kind, axis) = parts(j);
+            // A slightly bent trunk; X and Y mirror on the left.
+            let spine = ["L5S1", "L4L3", "L1T12", "T9T8"].iter().position(|s| *s == kind);
+            let deg = match spine {
+                Some(s) if axis == 0 => -4.0 * SPINE_SHARE[s],
+                Some(_) => 0.0,
+                None => lookup(COMFORT, kind, axis),
+            };
+            let mirror = if side == Side::Left && axis > 0 { -1.0 } else { 1.0 };
+            (mirror * deg).to_radians()
+        }),
+    )
+}
+
+/// Posture covariance, rad^2: the trunk of rank three, independent arm joints, a small floor.
+fn covariance(joints: &[String]) -> DMatrix<f64> {
+    let n = joints.len();
+    let total: f64 = SPINE_SHARE.iter().sum();
+    let share = |joint: &str| {
+        let (kind, axis) = parts(joint);
+        let spine = ["L5S1", "L4L3", "L1T12", "T9T8"].iter().position(|s| *s == kind);
+        spine.map(|s| (SPINE_SHARE[s] / total, axis))
+    };
+    DMatrix::from_fn(n, n, |i, j| {
+        let floor = if i == j { 0.15f64.to_radians().powi(2) } else { 0.0 };
+        let value = match (share(&joints[i]), share(&joints[j])) {
+            (Some((a, x)), Some((b, y))) if x == y => a * b * TRUNK_SPREAD[x].to_radians().powi(2),
+            (None, None) if i == j => {
+                let (kind, axis) = parts(&joints[i]);
+                lookup(SPREAD, kind, axis).to_radians().powi(2)
+            }
+            _ => 0.0,
+        };
+        value + floor
+    })
+}
+
+/// Noise: a third of the posture covariance per second, per unit of hand speed.
+fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = covariance.clone().symmetric_eigen();
+    let kept: Vec<usize> = (0..covariance.nrows())
+        .filter(|&i| eigen.eigenvalues[i] > 1e-3 * eigen.eigenvalues.max())
+        .collect();
+    DMatrix::from_fn(covariance.nrows(), kept.len(), |r, c| {
+        let k = kept[c];
+        1.2 * eigen.eigenvalues[k].sqrt() * eigen.eigenvectors[(r, k)]
+    })
+}
+
+/// Postures over the work volume: for each hand pose the comfortable posture moved there.
+fn posture_law(
+    coupling: &Coupling,
+    postures: &PostureDistribution,
+    body: &Body,
+    side: Side,
+) -> Result<Attraction, InputError> {
+    let h = body.size.stature_m;
+    let out = if side == Side::Right { 1.0 } else { -1.0 };
+    let (mut hands, mut rows) = (Vec::new(), Vec::new());
+    for up in [-0.10, 0.0, 0.10, 0.20, 0.30] {
+        for forward in [0.16, 0.22, 0.28, 0.34] {
+            for sideways in [-0.08, 0.03, 0.14, 0.24] {
+                let at = Vec3::new(forward * h, up * h, out * sideways * h);
+                let hand = Pose::from_parts(at.into(), grip_orientation(side));
+                let start = start_postures(coupling, postures, &StartRule::Mean, &hand, (0, 0), 1);
+                if let Some(q) = start.into_iter().next().and_then(|s| s.q) {
+                    hands.push(hand);
+                    rows.push(q.transpose());
+                }
+            }
+        }
+    }
+    if rows.len() < 20 {
+        return Err(InputError::new(
+            &body.name,
+            "the simulated operator cannot reach its workplace",
+        ));
+    }
+    Ok(Attraction::fit(&hands, DMatrix::from_rows(&rows), h, 4.0, 2.0, 0.05))
+}
+
+/// A vertical bar held before the body: grip z (thumb) up, palm towards the middle.
+///
+/// In the pelvis frame (x forward, y up, z right) the wrist is behind the grip: y = -forward.
+pub(super) fn grip_orientation(side: Side) -> nalgebra::UnitQuaternion<f64> {
+    let _ = side;
+    let (y, z) = (-Vec3::x(), Vec3::y());
+    rotation_from_axes(y.cross(&z), y, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::stream::{Purpose, stream};
+    use crate::posture::roll_out;
+
+    fn lift() -> (Vec<f64>, Vec<Pose>) {
+        let hand = |s: f64| {
+            let s = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+            let at = Vec3::new(0.38 + 0.06 * s, 0.02 + 0.35 * s, 0.02 + 0.25 * s);
+            Pose::from_parts(at.into(), grip_orientation(Side::Right))
+        };
+        let time: Vec<f64> = (0..=100).map(|i| 0.04 * f64::from(i)).collect();
+        let hands = (0..=100).map(|i| hand(f64::from(i) / 100.0)).collect();
+        (time, hands)
+    }
+
+    #[test]
+    fn rollouts_keep_hand_and_limits() {
+        for name in ["female_p05", "male_p95"] {
+            let body = Body::load(name, std::path::Path::new(".")).unwrap();
+            let model = simulated_operator(&body, Side::Right).unwrap();
+            let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+            let (time, hands) = lift();
+            let starts = start_postures(
+                &coupling,
+                &model.postures,
+                &StartRule::Sampled,
+                &hands[0],
+                (1, 0),
+                16,
+            );
+            for (r, start) in starts.iter().enumerate() {
+                let q = start.q.as_ref().unwrap_or_else(|| panic!("{name} {r} is out of reach"));
+                assert!(coupling.limits().violation(q.as_slice()) < 1e-9);
+                let mut rng = stream(1, Purpose::Posture, 1, r as u32);
+                let noise = model.noise.path(&mut rng, time.len(), 0.04);
+                let rollout = roll_out(&coupling, &model, (&time, &hands), start, Some(&noise));
+                assert_eq!(rollout.reach_exceeded_at, None, "{name} {r}");
+                assert!(rollout.max_residual_m < 2.1e-4, "{}", rollout.max_residual_m);
+                for q in &rollout.q {
+                    assert!(coupling.limits().violation(q.as_slice()) < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_spread_does_not_depend_on_the_step() {
+        let body = Body::load("female_p50", std::path::Path::new(".")).unwrap();
+        let model = simulated_operator(&body, Side::Right).unwrap();
+        let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+        let (time, hands) = lift();
+        let starts =
+            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 1);
+        let spread = |every: usize| {
+            let t: Vec<f64> = time.iter().copied().step_by(every).collect();
+            let h: Vec<Pose> = hands.iter().copied().step_by(every).collect();
+            let ends: Vec<DVector<f64>> = (0..400)
+                .map(|r| {
+                    let mut rng = stream(2, Purpose::Posture, 0, r);
+                    let noise = model.noise.path(&mut rng, t.len(), 0.04 * every as f64);
+                    roll_out(&coupling, &model, (&t, &h), &starts[0], Some(&noise)).q.pop().unwrap()
+                })
+                .collect();
+            let mean = ends.iter().sum::<DVector<f64>>() / 400.0;
+            (ends.iter().map(|e| (e - &mean).norm_squared()).sum::<f64>() / 400.0).sqrt()
+        };
+        let (fine, coarse) = (spread(1), spread(2));
+        assert!((coarse / fine - 1.0).abs() < 0.08, "{fine} {coarse}");
+    }
+
+    #[test]
+    fn moving_everything_changes_nothing_and_a_far_goal_is_reported() {
+        let body = Body::load("female_p50", std::path::Path::new(".")).unwrap();
+        let model = simulated_operator(&body, Side::Right).unwrap();
+        let coupling = Coupling::new(&body, Side::Right, Hold::Point).unwrap();
+        let (time, mut hands) = lift();
+        for (k, hand) in hands.iter_mut().enumerate() {
+            hand.translation.vector.x += 0.012 * k as f64;
+        }
+        let starts =
+            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 1);
+        let rollout = roll_out(&coupling, &model, (&time, &hands), &starts[0], None);
+        assert!(rollout.reach_exceeded_at.is_some_and(|k| k > 10));
+        assert_eq!(rollout.q.len(), hands.len());
+    }
+}
