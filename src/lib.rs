@@ -37,3 +37,4 @@
 pub mod files;
 pub mod kinematics;
 pub mod math;
+pub mod robot;
