@@ -20,7 +20,6 @@ fn line(reach: f64) -> (Vec<f64>, Vec<Pose>) {
 }
 
 fn benches(c: &mut Criterion) {
-    #[expect(clippy::expect_used, reason = "a bench may panic")]
     let robot = Robot::preset("panda").expect("the preset is part of the crate");
     let mut frames = Frames::default();
     let mut jacobian = Matrix6xX::zeros(robot.dof());

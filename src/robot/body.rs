@@ -264,6 +264,48 @@ mod tests {
         assert!(around.signed_distance(&(0.5 * size)) <= 1e-12);
     }
 
+    /// How far the surface of a capsule, shrunk by `margin`, sticks out of others.
+    fn sticks_out(of: &[Capsule], capsule: &Capsule, margin: f64) -> f64 {
+        let axis = (capsule.b - capsule.a).try_normalize(1e-9).unwrap_or(Vec3::z());
+        let side = axis.cross(&Vec3::new(0.3, -0.5, 0.8)).normalize();
+        let other = axis.cross(&side);
+        let points = (0..=10).flat_map(|i| (0..24).map(move |j| (f64::from(i), f64::from(j))));
+        points
+            .map(|(i, j)| {
+                let (sin, cos) = (j * std::f64::consts::TAU / 24.0).sin_cos();
+                let at = capsule.a.lerp(&capsule.b, i / 10.0);
+                at + (side * cos + other * sin) * (capsule.radius - margin)
+            })
+            .chain([capsule.a - axis * (capsule.radius - margin)])
+            .chain([capsule.b + axis * (capsule.radius - margin)])
+            // Below the shoulder's foot everything is inside the base.
+            .filter(|p| p.z > 0.14)
+            .map(|p| {
+                of.iter()
+                    .map(|c| Obstacle::Capsule { a: c.a, b: c.b, radius: c.radius })
+                    .map(|c| c.signed_distance(&p))
+                    .fold(f64::INFINITY, f64::min)
+            })
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn the_panda_s_capsules_cover_the_maker_s() {
+        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../shared/models/robots/panda_collision.urdf");
+        if !file.is_file() {
+            return; // Not every checkout has it.
+        }
+        let own = Robot::preset("panda").unwrap();
+        let maker = Robot::from_urdf(&file, "panda_link0", "panda_hand_tcp").unwrap();
+        let covers = capsules(&own, &own.home);
+        // That file seems to add a margin of 0.03 m; not to the fingers, which are closed here.
+        for c in capsules(&maker, &own.home).iter().filter(|c| !c.link.contains("finger")) {
+            let far = sticks_out(&covers, c, 0.03);
+            assert!(far < 0.012, "{} sticks out by {far} m", c.link);
+        }
+    }
+
     #[test]
     fn a_straight_arm_is_singular() {
         let robot = Robot::preset("ur5e").unwrap();

@@ -110,7 +110,8 @@ pub struct PathError(pub(super) String);
 pub struct PathCheck {
     /// The path and its margins.
     pub motion: RobotMotion,
-    /// Broken limits, worst share first; empty when the robot can follow.
+    /// Broken limits: positions first, then by share of the limit, worst first. Empty when the robot
+    /// can follow.
     pub violations: Vec<Violation>,
 }
 
@@ -249,7 +250,8 @@ pub(super) fn assess(robot: &Robot, time_s: &[f64], q: Vec<Vec<f64>>) -> PathChe
     let (qd_share, qdd_share) = (share(&speed), share(&acceleration));
     let mut violations: Vec<(f64, Violation)> =
         [&position, &speed, &acceleration].into_iter().flat_map(Tally::violations).collect();
-    violations.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let is_later = |v: &Violation| v.kind != LimitKind::Position;
+    violations.sort_by(|a, b| is_later(&a.1).cmp(&is_later(&b.1)).then(b.0.total_cmp(&a.0)));
     let motion = RobotMotion {
         strain: strain.max(qd_share.value),
         qd_share,
@@ -324,7 +326,7 @@ mod tests {
         assert!(refusal(&[0.0, 0.0], &[home.clone(), home.clone()]).contains("do not rise"));
         assert!(refusal(&[0.0], &[vec![0.0; 5]]).contains("has 5 values"));
         assert!(refusal(&[0.0], &[vec![f64::NAN; 6]]).contains("not finite"));
-        assert!(refusal(&[f64::NAN], &[home.clone()]).contains("not finite"));
+        assert!(refusal(&[f64::NAN], std::slice::from_ref(&home)).contains("not finite"));
         let one = check_joint_path(&robot, &[0.0], &[home]).unwrap();
         assert!(one.violations.is_empty() && one.motion.qd_share.value.abs() < 1e-12);
     }

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 /// Stand-ins where a file gives no limit: turning joints (rad), sliding joints (m).
 const STAND_IN_VELOCITY: (f64, f64) = (PI / 2.0, 0.25);
 const STAND_IN_ACCELERATION: (f64, f64) = (PI, 1.0);
+/// Links named in a note before it says "and more".
+const MOST_NAMED: usize = 8;
 
 /// Limits of the n joints from base to TCP; all vectors have length n.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +109,7 @@ impl Robot {
         let home = (0..linkage.dof()).map(middle).collect();
         let mut notes = model.warnings.clone();
         notes.extend(linkage.warnings.iter().cloned());
-        notes.extend(shapeless_note(&model, &parts));
+        notes.extend(shapeless_note(&model, base, &parts));
         Ok(Self {
             name: model.name.clone(),
             linkage,
@@ -233,18 +235,23 @@ fn link_names(model: &Model) -> String {
     format!("its links are: {}", names.join(", "))
 }
 
-/// Which links clearance cannot see, because their shapes are missing or meshes.
-fn shapeless_note(model: &Model, parts: &[Part]) -> Option<String> {
+/// Which links below the base clearance cannot see, because their shapes are missing or meshes.
+fn shapeless_note(model: &Model, base: &str, parts: &[Part]) -> Option<String> {
     let is_bare = |name: &str| !parts.iter().any(|p| p.link == name);
     // A link without mass is a frame and needs no shape.
-    let bare: Vec<&str> = model
+    let mut bare: Vec<&str> = model
         .links
         .iter()
         .filter(|l| l.mass_kg > 0.0 && is_bare(&l.name))
         .map(|l| l.name.as_str())
+        .filter(|name| Linkage::chain(model, base, name).is_ok())
         .collect();
+    let more = bare.len().saturating_sub(MOST_NAMED);
+    bare.truncate(MOST_NAMED);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
     (!bare.is_empty()).then(|| {
-        format!("no simple collision shape, so left out of clearance: {}", bare.join(", "))
+        let names = bare.join(", ");
+        format!("no simple collision shape, so left out of clearance: {names}{rest}")
     })
 }
 

