@@ -1,5 +1,5 @@
-//! Where a robot is in a posture: TCP, stick figure, capsules around its links, and what follows from
-//! them: clearance and distance from singular postures.
+//! Where a robot is in a posture: TCP, stick figure, capsules around its links, and what follows
+//! from them: clearance and distance from singular postures.
 
 use super::clearance::Obstacle;
 use super::description::{Robot, tips};
@@ -152,8 +152,8 @@ pub fn capsules<'r>(robot: &'r Robot, q: &[f64]) -> Vec<Capsule<'r>> {
     robot.parts.iter().map(place).collect()
 }
 
-/// Smallest distance between the moving links and named obstacles; `None` where there is no obstacle
-/// or no capsule. Links that no joint moves do not count: a robot may stand on a table.
+/// Smallest distance between the moving links and named obstacles; `None` where there is no
+/// obstacle or no capsule. Links that no joint moves do not count: a robot may stand on a table.
 pub fn min_clearance(
     robot: &Robot,
     q: &[f64],

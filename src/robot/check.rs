@@ -1,7 +1,7 @@
 //! Does a joint path keep the limits, and by how much?
 //!
 //! ```text
-//! velocity between knots k, k+1:   v_k = (q_{k+1} - q_k) / h_k                  (central at mid-interval)
+//! velocity between knots k, k+1:   v_k = (q_{k+1} - q_k) / h_k            (central at mid-way)
 //! acceleration at knot k:          a_k = (v_k - v_{k-1}) / ((h_k + h_{k-1}) / 2)   (central)
 //! ```
 //! A mean speed above the limit proves that the limit is broken: the joint had that speed somewhere
@@ -36,8 +36,8 @@ pub struct RobotMotion {
     /// Largest acceleration as a share of its limit. The ends count as they are: a motion that
     /// should start and end at rest must say so in its knots.
     pub qdd_share: Extreme,
-    /// Smallest distance to a position limit, rad or m; negative outside. Infinite when no joint has
-    /// limits.
+    /// Smallest distance to a position limit, rad or m; negative outside. Infinite when no joint
+    /// has limits.
     pub position_margin: Extreme,
     /// Smallest singular value of the TCP Jacobian, angular rows scaled by 0.3 m; m/rad.
     pub min_singular_value: f64,
@@ -110,8 +110,8 @@ pub struct PathError(pub(super) String);
 pub struct PathCheck {
     /// The path and its margins.
     pub motion: RobotMotion,
-    /// Broken limits: positions first, then by share of the limit, worst first. Empty when the robot
-    /// can follow.
+    /// Broken limits: positions first, then by share of the limit, worst first. Empty when the
+    /// robot can follow.
     pub violations: Vec<Violation>,
 }
 

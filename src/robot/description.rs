@@ -73,8 +73,8 @@ impl Robot {
 
     /// Reads a URDF file; `base` and `tcp` are names of links, `base` above `tcp`.
     ///
-    /// The robot stands in the world's origin. URDF holds no acceleration limits: they are stand-ins
-    /// until set, as is a missing velocity limit.
+    /// The robot stands in the world's origin. URDF holds no acceleration limits: they are
+    /// stand-ins until set, as is a missing velocity limit.
     pub fn from_urdf(path: &Path, base: &str, tcp: &str) -> Result<Self, InputError> {
         Self::from_text(path, &read_text(path)?, base, tcp)
     }
@@ -173,8 +173,8 @@ impl Robot {
         Ok(())
     }
 
-    /// Sets the speed limit of a joint, rad/s or m/s. Refused: an unknown joint, a limit that is not
-    /// a positive number.
+    /// Sets the speed limit of a joint, rad/s or m/s. Refused: an unknown joint, a limit that is
+    /// not a positive number.
     pub fn set_velocity_limit(&mut self, joint: &str, limit: f64) -> Result<(), InputError> {
         let i = self.joint_index(joint)?;
         self.limits.velocity[i] = self.positive(joint, "velocity", limit)?;

@@ -1,8 +1,8 @@
 //! Can the robot follow a path of its TCP? If so, by which joint path; if not, why not.
 //!
 //! An arm reaches a pose in several ways, and which one it starts in decides whether it can finish.
-//! So the path is tracked from several distinct start postures, and the motion with the least strain
-//! among those that keep all limits is taken.
+//! So the path is tracked from several distinct start postures, and the motion with the least
+//! strain among those that keep all limits is taken.
 
 use super::body::min_singular_value;
 use super::check::{PathCheck, RobotMotion, assess, check_times};
@@ -165,22 +165,28 @@ pub fn follow_from(
     let mut farthest: Option<Track> = None;
     let is_usable = |s: &&Vec<f64>| s.len() == robot.dof() && s.iter().all(|q| q.is_finite());
     for start in starts.iter().filter(is_usable) {
-        let tracked = track(&mut solver, &targets, start, tolerance);
-        if tracked.stop.is_some() {
-            if farthest.as_ref().is_none_or(|f| tracked.q.len() > f.q.len()) {
-                farthest = Some(tracked);
+        // Centring the joints costs speed: where that is too much, once more without.
+        for centring in [1.0, 0.0] {
+            solver.centring = centring;
+            let tracked = track(&mut solver, &targets, start, tolerance);
+            if tracked.stop.is_some() {
+                if farthest.as_ref().is_none_or(|f| tracked.q.len() > f.q.len()) {
+                    farthest = Some(tracked);
+                }
+                break;
             }
-            continue;
-        }
-        let mut check = assess(robot, time_s, tracked.q);
-        check.motion.max_residual_m = tracked.worst.m;
-        check.motion.max_residual_rad = tracked.worst.rad;
-        if !check.violations.is_empty() {
+            let mut check = assess(robot, time_s, tracked.q);
+            check.motion.max_residual_m = tracked.worst.m;
+            check.motion.max_residual_rad = tracked.worst.rad;
+            if check.violations.is_empty() {
+                if best.as_ref().is_none_or(|b| check.motion.strain < b.strain) {
+                    best = Some(check.motion);
+                }
+                break;
+            }
             if too_hard.as_ref().is_none_or(|c| check.motion.strain < c.motion.strain) {
                 too_hard = Some(check);
             }
-        } else if best.as_ref().is_none_or(|b| check.motion.strain < b.strain) {
-            best = Some(check.motion);
         }
     }
     match (best, too_hard, farthest) {
@@ -258,7 +264,8 @@ fn out_of_reach(robot: &Robot, t: f64, q: &[f64], left: &Residual) -> String {
     let turn = left.rad.to_degrees();
     let limits = at_limits(robot, q);
     format!(
-        "the TCP pose at t = {t:.2} s is out of reach (nearest {:.3} m and {turn:.1} deg off{limits})",
+        "the TCP pose at t = {t:.2} s is out of reach \
+         (nearest {:.3} m and {turn:.1} deg off{limits})",
         left.m
     )
 }

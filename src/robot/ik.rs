@@ -55,6 +55,8 @@ impl Residual {
 pub(super) struct Solver<'r> {
     robot: &'r Robot,
     tolerance: (f64, f64),
+    /// Weight of the pull to the middle of the ranges: 1, or 0 for the smallest joint moves.
+    pub(super) centring: f64,
     frames: Frames,
     jacobian: Matrix6xX<f64>,
     pull: DVector<f64>,
@@ -68,6 +70,7 @@ impl<'r> Solver<'r> {
         Self {
             robot,
             tolerance: (tolerance_m, tolerance_rad),
+            centring: 1.0,
             frames: Frames::default(),
             jacobian: Matrix6xX::zeros(n),
             pull: DVector::zeros(n),
@@ -119,7 +122,7 @@ impl<'r> Solver<'r> {
         error.fixed_rows_mut::<3>(3).scale_mut(ROTATION_SCALE_M);
         for (i, &at) in q.iter().enumerate() {
             let way = limits.middle(i).map_or(0.0, |middle| middle - at);
-            self.pull[i] = way * size.min(STRONGEST_PULL);
+            self.pull[i] = self.centring * way * size.min(STRONGEST_PULL);
         }
         self.held.fill(false);
         let damping = if size < NEWTON_BELOW { LEAST_DAMPING } else { 1e-6 + 1e-2 * size * size };

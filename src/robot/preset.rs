@@ -1,4 +1,4 @@
-//! The robots that ship with ergopath: URDF for kinematics and shape, TOML for what URDF cannot hold.
+//! The robots that ship with ergopath: URDF for kinematics and shape, TOML for the rest.
 
 use super::description::Robot;
 use crate::files::{InputError, parse_toml, suggest};
