@@ -45,3 +45,4 @@ pub mod posture;
 pub mod qp;
 pub mod recording;
 pub mod trajectory;
+pub mod robot;

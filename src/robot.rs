@@ -1,0 +1,30 @@
+//! Robot arms: can this arm follow that path of its tool, within its limits, and how near does it
+//! come to obstacles?
+//!
+//! ```text
+//! preset | URDF ─ description ─► Robot (linkage, limits, home, base, capsules)
+//! TCP poses in the world ─ follow (ik) ─► joint path ─ check ─► RobotMotion | why not
+//! user's joint path ─ check_joint_path ─► limits broken;  tcp_poses ─► TCP poses in the world
+//! q ─ body ─► capsules, stick figure ─ clearance ─► distance to obstacles
+//! ```
+//! Joint values are in rad (m for sliding joints), in the order of the joints from base to TCP.
+
+mod body;
+mod check;
+mod clearance;
+mod description;
+mod follow;
+mod ik;
+mod preset;
+mod track;
+
+pub use body::{
+    Capsule, Nearest, capsules, min_clearance, min_singular_value, stick, tcp_pose, tcp_poses,
+};
+pub use check::{
+    Extreme, LimitKind, PathCheck, PathError, RobotMotion, Violation, check_joint_path,
+};
+pub use clearance::Obstacle;
+pub use description::{Limits, Robot};
+pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
+pub use preset::PRESETS;

@@ -1,0 +1,172 @@
+//! Obstacles, and their distance to the capsules of a robot.
+//!
+//! The signed distance to a convex shape is a convex function of the point, so along a segment it
+//! has no minimum but the least one, and a golden-section search finds that.
+
+use crate::math::{Pose, Vec3};
+use nalgebra::Point3;
+
+/// Halvings of the golden-section search: 0.618^60 is below the precision of the numbers.
+const GOLDEN_STEPS: usize = 60;
+
+/// A convex thing in the world that the robot must not touch; lengths in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacle {
+    /// A box about the pose's origin, edges along its axes.
+    Box {
+        /// World from box.
+        pose: Pose,
+        /// Full edge lengths.
+        size: Vec3,
+    },
+    /// A ball.
+    Sphere {
+        /// Middle in the world.
+        center: Vec3,
+        /// Radius.
+        radius: f64,
+    },
+    /// All points within `radius` of a segment.
+    Capsule {
+        /// One end of the axis in the world.
+        a: Vec3,
+        /// The other end.
+        b: Vec3,
+        /// Radius.
+        radius: f64,
+    },
+    /// A cylinder about the pose's origin, axis along its z.
+    Cylinder {
+        /// World from cylinder.
+        pose: Pose,
+        /// Radius.
+        radius: f64,
+        /// Full length.
+        length: f64,
+    },
+}
+
+impl Obstacle {
+    /// Distance (m) of a point in the world; inside it is minus the depth.
+    pub fn signed_distance(&self, point: &Vec3) -> f64 {
+        let local = |pose: &Pose| pose.inverse_transform_point(&Point3::from(*point)).coords;
+        match self {
+            Self::Box { pose, size } => {
+                let d = local(pose).abs() - 0.5 * size;
+                outside(&d) + d.max().min(0.0)
+            }
+            Self::Sphere { center, radius } => (point - center).norm() - radius,
+            Self::Capsule { a, b, radius } => {
+                let axis = b - a;
+                let length = axis.norm_squared();
+                let s = if length > 0.0 { (point - a).dot(&axis) / length } else { 0.0 };
+                (point - a - axis * s.clamp(0.0, 1.0)).norm() - radius
+            }
+            Self::Cylinder { pose, radius, length } => {
+                let p = local(pose);
+                let (side, end) = (p.x.hypot(p.y) - radius, p.z.abs() - 0.5 * length);
+                outside(&Vec3::new(side, end, 0.0)) + side.max(end).min(0.0)
+            }
+        }
+    }
+
+    /// Smallest signed distance (m) to the capsule of `radius` about the segment from `a` to `b` in
+    /// the world; zero or below when touching. Deep inside it is minus the depth of the capsule's
+    /// deepest point.
+    pub fn distance_to_capsule(&self, a: &Vec3, b: &Vec3, radius: f64) -> f64 {
+        let at = |s: f64| self.signed_distance(&a.lerp(b, s));
+        if a == b {
+            return at(0.0) - radius;
+        }
+        let ratio = 0.5 * (5.0f64.sqrt() - 1.0);
+        let (mut low, mut high) = (0.0, 1.0);
+        let (mut left, mut right) = (1.0 - ratio, ratio);
+        let (mut at_left, mut at_right) = (at(left), at(right));
+        // The ends are candidates of their own: the search only nears them.
+        let mut least = at(0.0).min(at(1.0));
+        for _ in 0..GOLDEN_STEPS {
+            least = least.min(at_left).min(at_right);
+            if at_left <= at_right {
+                (high, right, at_right) = (right, left, at_left);
+                left = high - ratio * (high - low);
+                at_left = at(left);
+            } else {
+                (low, left, at_left) = (left, right, at_right);
+                right = low + ratio * (high - low);
+                at_right = at(right);
+            }
+        }
+        least - radius
+    }
+}
+
+/// Length of the part of the excess `d` that lies outside.
+fn outside(d: &Vec3) -> f64 {
+    d.map(|v| v.max(0.0)).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::stream::{Purpose, normals, stream};
+
+    fn obstacles(r: &[f64]) -> [Obstacle; 4] {
+        let v = |i: usize| Vec3::new(r[i], r[i + 1], r[i + 2]);
+        let pose = Pose::new(v(0), v(3));
+        [
+            Obstacle::Box { pose, size: v(6).abs() },
+            Obstacle::Sphere { center: v(0), radius: 0.3 },
+            Obstacle::Capsule { a: v(0), b: v(3), radius: 0.2 },
+            Obstacle::Cylinder { pose, radius: r[6].abs(), length: r[7].abs() },
+        ]
+    }
+
+    #[test]
+    fn agrees_with_brute_force() {
+        for index in 0..60 {
+            let r = normals(&mut stream(3, Purpose::Simulation, 0, index), 15);
+            let (a, b) = (Vec3::new(r[9], r[10], r[11]), Vec3::new(r[12], r[13], r[14]));
+            for obstacle in obstacles(&r) {
+                let own = obstacle.distance_to_capsule(&a, &b, 0.1);
+                let n = 4000;
+                let brute = (0..=n)
+                    .map(|i| obstacle.signed_distance(&a.lerp(&b, f64::from(i) / f64::from(n))))
+                    .fold(f64::INFINITY, f64::min)
+                    - 0.1;
+                // The grid misses the minimum by at most half a step; the search never does.
+                assert!(own <= brute + 1e-12, "{obstacle:?}: {own} > {brute}");
+                assert!(brute - own <= 0.5 * (b - a).norm() / f64::from(n), "{obstacle:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn signed_distance_is_the_distance_to_the_surface() {
+        // Walking along the gradient by the distance ends on the surface, from either side.
+        for index in 0..60 {
+            let r = normals(&mut stream(4, Purpose::Simulation, 0, index), 15);
+            let p = Vec3::new(r[9], r[10], r[11]);
+            for obstacle in obstacles(&r) {
+                let d = obstacle.signed_distance(&p);
+                let h = 1e-6;
+                let slope = Vec3::from_fn(|i, _| {
+                    let mut e = Vec3::zeros();
+                    e[i] = h;
+                    (obstacle.signed_distance(&(p + e)) - obstacle.signed_distance(&(p - e)))
+                        / (2.0 * h)
+                });
+                let end = obstacle.signed_distance(&(p - slope.normalize() * d));
+                assert!(end.abs() < 1e-6, "{obstacle:?} at {p}: {d} then {end}");
+            }
+        }
+    }
+
+    #[test]
+    fn touching_is_zero_and_overlap_negative() {
+        let wall = Obstacle::Box { pose: Pose::identity(), size: Vec3::new(0.2, 2.0, 2.0) };
+        let (a, b) = (Vec3::new(0.3, 0.0, 0.0), Vec3::new(0.6, 0.0, 0.5));
+        assert!((wall.distance_to_capsule(&a, &b, 0.05) - 0.15).abs() < 1e-12);
+        assert!(wall.distance_to_capsule(&a, &b, 0.2).abs() < 1e-12);
+        assert!(wall.distance_to_capsule(&-a, &b, 0.05) <= -0.14);
+    }
+}

@@ -1,0 +1,299 @@
+//! What is known about a robot arm: kinematics, limits, place in the world and shape.
+
+use super::body::Part;
+use crate::files::{InputError, read_text, suggest};
+use crate::kinematics::{Linkage, LinkageError, Model, Tip, parse_urdf};
+use crate::math::Pose;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+/// Stand-ins where a file gives no limit: turning joints (rad), sliding joints (m).
+const STAND_IN_VELOCITY: (f64, f64) = (PI / 2.0, 0.25);
+const STAND_IN_ACCELERATION: (f64, f64) = (PI, 1.0);
+/// Links named in a note before it says "and more".
+const MOST_NAMED: usize = 8;
+
+/// Limits of the n joints from base to TCP; all vectors have length n.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits {
+    /// Lower position limit, rad or m; minus infinity for a joint without end.
+    pub lower: Vec<f64>,
+    /// Upper position limit, rad or m; infinity for a joint without end.
+    pub upper: Vec<f64>,
+    /// Largest speed, rad/s or m/s.
+    pub velocity: Vec<f64>,
+    /// Largest acceleration, rad/s^2 or m/s^2.
+    pub acceleration: Vec<f64>,
+    /// Where the velocity limit is a stand-in.
+    pub velocity_assumed: Vec<bool>,
+    /// Where the acceleration limit is a stand-in.
+    pub acceleration_assumed: Vec<bool>,
+}
+
+impl Limits {
+    /// Middle of the position range; `None` for a joint without end.
+    pub fn middle(&self, joint: usize) -> Option<f64> {
+        let middle = 0.5 * (self.lower[joint] + self.upper[joint]);
+        (self.lower[joint].is_finite() && self.upper[joint].is_finite()).then_some(middle)
+    }
+}
+
+/// A robot arm between a base link and a tool centre point (TCP).
+///
+/// `home` and all vectors in `limits` have as many values as `linkage` has joints; keep it so.
+#[derive(Debug, Clone)]
+pub struct Robot {
+    /// Preset name, or the name in the URDF.
+    pub name: String,
+    /// The chain from base link to TCP; its first tip is the TCP.
+    pub linkage: Linkage,
+    /// Joint limits.
+    pub limits: Limits,
+    /// Posture from which inverse kinematics starts, rad or m.
+    pub home: Vec<f64>,
+    /// World from base link.
+    pub base: Pose,
+    /// Remarks about the description, one sentence each.
+    pub notes: Vec<String>,
+    /// Where the numbers come from.
+    pub sources: Vec<String>,
+    pub(super) declared: Vec<String>,
+    pub(super) skeleton: Linkage,
+    /// Positions of the skeleton's joints that are not between base and TCP.
+    pub(super) held: Vec<f64>,
+    pub(super) parts: Vec<Part>,
+    pub(super) file: PathBuf,
+}
+
+impl Robot {
+    /// A robot that ships with ergopath: one of [`super::PRESETS`].
+    pub fn preset(name: &str) -> Result<Self, InputError> {
+        super::preset::load(name)
+    }
+
+    /// Reads a URDF file; `base` and `tcp` are names of links, `base` above `tcp`.
+    ///
+    /// The robot stands in the world's origin. URDF holds no acceleration limits: they are
+    /// stand-ins until set, as is a missing velocity limit.
+    pub fn from_urdf(path: &Path, base: &str, tcp: &str) -> Result<Self, InputError> {
+        Self::from_text(path, &read_text(path)?, base, tcp)
+    }
+
+    pub(super) fn from_text(
+        path: &Path,
+        text: &str,
+        base: &str,
+        tcp: &str,
+    ) -> Result<Self, InputError> {
+        let model = parse_urdf(path, text)?;
+        let wrong = |e: LinkageError| match e {
+            LinkageError::UnknownLink { name, hint } => {
+                let error = InputError::new(path, format!("there is no link `{name}`"));
+                error.remedy(hint.unwrap_or_else(|| link_names(&model)))
+            }
+            other => InputError::new(path, other.to_string()),
+        };
+        let linkage = Linkage::chain(&model, base, tcp).map_err(wrong)?;
+        if linkage.dof() == 0 {
+            return Err(InputError::new(
+                path,
+                format!("no joint moves between `{base}` and `{tcp}`"),
+            )
+            .remedy("base is the link that stands still, tcp the tool at the other end"));
+        }
+        let (skeleton, parts) = super::body::parts(&model, base, tcp).map_err(wrong)?;
+        let held = skeleton.joints()[linkage.dof()..].iter();
+        let held = held.map(|j| 0.0f64.max(j.lower).min(j.upper)).collect();
+        let limits = limits_of(&linkage);
+        let middle = |i| limits.middle(i).unwrap_or(0.0);
+        let home = (0..linkage.dof()).map(middle).collect();
+        let mut notes = model.warnings.clone();
+        notes.extend(linkage.warnings.iter().cloned());
+        notes.extend(shapeless_note(&model, base, &parts));
+        Ok(Self {
+            name: model.name.clone(),
+            linkage,
+            limits,
+            home,
+            base: Pose::identity(),
+            notes,
+            sources: vec![format!("URDF `{}`", model.name)],
+            declared: Vec::new(),
+            skeleton,
+            held,
+            parts,
+            file: path.to_owned(),
+        })
+    }
+
+    /// Number of joints, n.
+    pub fn dof(&self) -> usize {
+        self.linkage.dof()
+    }
+
+    /// Names of the joints, base to TCP.
+    pub fn joint_names(&self) -> impl Iterator<Item = &str> {
+        self.linkage.joints().iter().map(|j| j.name.as_str())
+    }
+
+    /// Everything that is a stand-in or from memory, one sentence each; what has been set since is
+    /// left out.
+    pub fn assumed(&self) -> Vec<String> {
+        let mut all = self.declared.clone();
+        for (what, flags) in [
+            ("velocity", &self.limits.velocity_assumed),
+            ("acceleration", &self.limits.acceleration_assumed),
+        ] {
+            let names: Vec<&str> =
+                self.joint_names().zip(flags).filter(|(_, f)| **f).map(|(n, _)| n).collect();
+            if !names.is_empty() {
+                let (name, joints) = (&self.name, names.join(", "));
+                all.push(format!("{name}: the {what} limits of {joints} are stand-ins"));
+            }
+        }
+        all
+    }
+
+    /// Sets the range of a joint, rad or m, and moves `home` into it. Refused: an unknown joint,
+    /// limits that are not finite or not in order.
+    pub fn set_position_limit(
+        &mut self,
+        joint: &str,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), InputError> {
+        let i = self.joint_index(joint)?;
+        if !(lower.is_finite() && upper.is_finite() && lower < upper) {
+            let message = format!("joint `{joint}`: {lower} to {upper} is no range");
+            return Err(InputError::new(&self.file, message).remedy("give lower < upper"));
+        }
+        self.limits.lower[i] = lower;
+        self.limits.upper[i] = upper;
+        self.home[i] = self.home[i].clamp(lower, upper);
+        Ok(())
+    }
+
+    /// Sets the speed limit of a joint, rad/s or m/s. Refused: an unknown joint, a limit that is
+    /// not a positive number.
+    pub fn set_velocity_limit(&mut self, joint: &str, limit: f64) -> Result<(), InputError> {
+        let i = self.joint_index(joint)?;
+        self.limits.velocity[i] = self.positive(joint, "velocity", limit)?;
+        self.limits.velocity_assumed[i] = false;
+        Ok(())
+    }
+
+    /// Sets the acceleration limit of a joint, rad/s^2 or m/s^2. Refused: an unknown joint, a limit
+    /// that is not a positive number.
+    pub fn set_acceleration_limit(&mut self, joint: &str, limit: f64) -> Result<(), InputError> {
+        let i = self.joint_index(joint)?;
+        self.limits.acceleration[i] = self.positive(joint, "acceleration", limit)?;
+        self.limits.acceleration_assumed[i] = false;
+        Ok(())
+    }
+
+    /// Column of the joint with this name; the error suggests a similar one.
+    pub fn joint_index(&self, joint: &str) -> Result<usize, InputError> {
+        self.joint_names().position(|n| n == joint).ok_or_else(|| {
+            let names: Vec<&str> = self.joint_names().collect();
+            let remedy = suggest(joint, names.iter().copied())
+                .unwrap_or_else(|| format!("its joints are: {}", names.join(", ")));
+            let message = format!("robot `{}` has no joint `{joint}`", self.name);
+            InputError::new(&self.file, message).remedy(remedy)
+        })
+    }
+
+    fn positive(&self, joint: &str, what: &str, limit: f64) -> Result<f64, InputError> {
+        if limit > 0.0 && limit.is_finite() {
+            return Ok(limit);
+        }
+        let message = format!("joint `{joint}`: {what} limit {limit} is not a positive number");
+        Err(InputError::new(&self.file, message).remedy("give the limit in rad/s or rad/s^2"))
+    }
+}
+
+fn limits_of(linkage: &Linkage) -> Limits {
+    let joints = linkage.joints();
+    let pick = |pair: (f64, f64), is_prismatic: bool| if is_prismatic { pair.1 } else { pair.0 };
+    Limits {
+        lower: joints.iter().map(|j| j.lower).collect(),
+        upper: joints.iter().map(|j| j.upper).collect(),
+        velocity: joints
+            .iter()
+            .map(|j| {
+                let stand_in = pick(STAND_IN_VELOCITY, j.is_prismatic);
+                if j.velocity.is_finite() { j.velocity } else { stand_in }
+            })
+            .collect(),
+        acceleration: joints.iter().map(|j| pick(STAND_IN_ACCELERATION, j.is_prismatic)).collect(),
+        velocity_assumed: joints.iter().map(|j| !j.velocity.is_finite()).collect(),
+        acceleration_assumed: vec![true; joints.len()],
+    }
+}
+
+fn link_names(model: &Model) -> String {
+    let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
+    format!("its links are: {}", names.join(", "))
+}
+
+/// Which links below the base clearance cannot see, because their shapes are missing or meshes.
+fn shapeless_note(model: &Model, base: &str, parts: &[Part]) -> Option<String> {
+    let is_bare = |name: &str| !parts.iter().any(|p| p.link == name);
+    // A link without mass is a frame and needs no shape.
+    let mut bare: Vec<&str> = model
+        .links
+        .iter()
+        .filter(|l| l.mass_kg > 0.0 && is_bare(&l.name))
+        .map(|l| l.name.as_str())
+        .filter(|name| Linkage::chain(model, base, name).is_ok())
+        .collect();
+    let more = bare.len().saturating_sub(MOST_NAMED);
+    bare.truncate(MOST_NAMED);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!bare.is_empty()).then(|| {
+        let names = bare.join(", ");
+        format!("no simple collision shape, so left out of clearance: {names}{rest}")
+    })
+}
+
+/// Tips of the skeleton for these links.
+pub(super) fn tips<'a>(links: impl IntoIterator<Item = &'a str>) -> Vec<Tip> {
+    links.into_iter().map(Tip::link).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use miette::Diagnostic;
+
+    #[test]
+    fn limits_are_overridden_by_name_and_no_longer_assumed() {
+        let mut robot = Robot::preset("ur5e").unwrap();
+        assert!(robot.assumed().iter().any(|a| a.contains("acceleration limits of shoulder_pan")));
+        let names: Vec<String> = robot.joint_names().map(str::to_owned).collect();
+        for name in &names {
+            robot.set_acceleration_limit(name, 5.0).unwrap();
+        }
+        assert!(!robot.assumed().iter().any(|a| a.contains("acceleration")));
+        robot.set_velocity_limit("elbow_joint", 1.0).unwrap();
+        robot.set_position_limit("elbow_joint", -1.0, 1.0).unwrap();
+        assert_eq!((robot.limits.velocity[2], robot.home[2]), (1.0, 1.0));
+        let error = robot.set_velocity_limit("elbow_jiont", 1.0).unwrap_err();
+        assert_eq!(error.help().unwrap().to_string(), "did you mean `elbow_joint`?");
+        assert!(robot.set_velocity_limit("elbow_joint", f64::NAN).is_err());
+        assert!(robot.set_position_limit("elbow_joint", 1.0, f64::NAN).is_err());
+    }
+
+    #[test]
+    fn a_bare_urdf_gets_stand_ins_that_are_named() {
+        let text = r#"<robot name="one"><link name="base"/><link name="arm"/>
+            <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/>
+            <origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint></robot>"#;
+        let robot = Robot::from_text(Path::new("one.urdf"), text, "base", "arm").unwrap();
+        let all = robot.assumed().join(" | ");
+        assert!(all.contains("velocity limits of turn") && all.contains("acceleration"), "{all}");
+        let error = Robot::from_text(Path::new("one.urdf"), text, "base", "arn").unwrap_err();
+        assert_eq!(error.help().unwrap().to_string(), "did you mean `arm`?");
+        assert!(Robot::from_text(Path::new("one.urdf"), text, "arm", "arm").is_err());
+        assert!(Robot::from_text(Path::new("one.urdf"), text, "arm", "base").is_err());
+    }
+}

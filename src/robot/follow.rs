@@ -1,0 +1,289 @@
+//! Can the robot follow a path of its TCP? If so, by which joint path; if not, why not.
+//!
+//! An arm reaches a pose in several ways, and which one it starts in decides whether it can finish.
+//! So the path is tracked from several distinct start postures, and the motion with the least
+//! strain among those that keep all limits is taken.
+
+use super::body::min_singular_value;
+use super::check::{PathCheck, RobotMotion, assess, check_times};
+use super::description::Robot;
+use super::ik::{Residual, Solver};
+use super::track::{Track, track};
+use crate::math::Pose;
+use crate::math::stream::{Purpose, stream};
+use rand::RngExt;
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+/// Postures that differ by less in every joint count as the same start, rad or m.
+const DISTINCT: f64 = 0.3;
+/// Singular value below which a broken speed limit is put down to the singular posture.
+const NEARLY_SINGULAR: f64 = 0.005;
+/// Distance to a limit at which a joint is said to stand there, rad or m.
+const AT_LIMIT: f64 = 1e-6;
+/// Steps of inverse kinematics from a far start.
+const COLD_STEPS: usize = 120;
+
+/// How hard to try.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowSettings {
+    /// Seed of the random start postures.
+    pub seed: u64,
+    /// Start postures tried: the home posture, then random ones.
+    pub restarts: u32,
+    /// Largest number of distinct start postures from which the path is tracked.
+    pub starts: usize,
+    /// Tolerance of positions, m.
+    pub tolerance_m: f64,
+    /// Tolerance of orientations, rad.
+    pub tolerance_rad: f64,
+}
+
+impl Default for FollowSettings {
+    fn default() -> Self {
+        Self { seed: 0, restarts: 24, starts: 8, tolerance_m: 1e-8, tolerance_rad: 1e-8 }
+    }
+}
+
+/// Whether the robot can follow.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Follow {
+    /// It can, like this.
+    Feasible(RobotMotion),
+    /// It cannot.
+    Infeasible {
+        /// One sentence: joint, time, value and limit, or the pose that is out of reach.
+        reason: String,
+        /// When, s; 0 if the path itself is malformed.
+        time_s: f64,
+    },
+}
+
+/// Postures that put the TCP at one pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Starts {
+    /// Distinct postures within the limits, rad or m; empty when the pose is out of reach.
+    pub postures: Vec<Vec<f64>>,
+    /// The nearest posture found.
+    pub nearest: Vec<f64>,
+    /// Its distance from the wanted position, m.
+    pub residual_m: f64,
+    /// Its angle from the wanted orientation, rad.
+    pub residual_rad: f64,
+}
+
+/// Distinct postures that put the TCP at `pose` (world), found from the home posture and then from
+/// random ones; at most `settings.starts`. The same settings give the same postures.
+pub fn start_postures(robot: &Robot, pose: &Pose, settings: &FollowSettings) -> Starts {
+    let mut starts = Starts {
+        postures: Vec::new(),
+        nearest: robot.home.clone(),
+        residual_m: f64::INFINITY,
+        residual_rad: f64::INFINITY,
+    };
+    if !is_finite(pose) {
+        return starts;
+    }
+    let target = robot.base.inv_mul(pose);
+    let mut solver = Solver::new(robot, settings.tolerance_m, settings.tolerance_rad);
+    let mut least = f64::INFINITY;
+    for restart in 0..settings.restarts.max(1) {
+        let mut q = first_guess(robot, settings.seed, restart);
+        let residual = solver.solve(&target, &mut q, COLD_STEPS);
+        if residual.size() < least {
+            least = residual.size();
+            (starts.residual_m, starts.residual_rad) = (residual.m, residual.rad);
+            starts.nearest.clone_from(&q);
+        }
+        let is_new = |q: &[f64], other: &Vec<f64>| {
+            q.iter().zip(other).any(|(a, b)| (a - b).abs() > DISTINCT)
+        };
+        if residual.is_within(settings.tolerance_m, settings.tolerance_rad)
+            && starts.postures.iter().all(|p| is_new(&q, p))
+        {
+            starts.postures.push(q);
+        }
+        if starts.postures.len() >= settings.starts.max(1) {
+            break;
+        }
+    }
+    starts
+}
+
+/// Home, or a random posture within the limits; joints without end turn within half a turn.
+fn first_guess(robot: &Robot, seed: u64, restart: u32) -> Vec<f64> {
+    if restart == 0 {
+        return robot.home.clone();
+    }
+    let mut rng = stream(seed, Purpose::RobotIk, 0, restart);
+    let joints = robot.limits.lower.iter().zip(&robot.limits.upper);
+    joints
+        .map(|(&lower, &upper)| {
+            // Beyond half a turn the same poses come again.
+            let (low, high) = (lower.max(-PI).min(upper), upper.min(PI).max(lower));
+            low + (high - low) * rng.random::<f64>()
+        })
+        .collect()
+}
+
+/// Follows a path of the TCP: K poses in the world at K times (s).
+///
+/// Each knot is reached within the tolerances; position, speed and acceleration limits hold (see
+/// [`super::check_joint_path`] for how they are checked). Among the start postures that allow this,
+/// the motion with the least [`RobotMotion::strain`] is returned. Deterministic: the same input and
+/// seed give the same result. Never panics: a pose that is not finite is infeasible.
+pub fn follow(robot: &Robot, time_s: &[f64], poses: &[Pose], settings: &FollowSettings) -> Follow {
+    if let Some(refusal) = malformed(time_s, poses) {
+        return refusal;
+    }
+    let starts = start_postures(robot, &poses[0], settings);
+    if starts.postures.is_empty() {
+        let residual = Residual { m: starts.residual_m, rad: starts.residual_rad };
+        let reason = out_of_reach(robot, time_s[0], &starts.nearest, &residual);
+        return Follow::Infeasible { reason, time_s: time_s[0] };
+    }
+    follow_from(robot, time_s, poses, &starts.postures, settings)
+}
+
+/// Like [`follow`], from given start postures: for many paths with one start pose, whose postures
+/// are found once by [`start_postures`].
+pub fn follow_from(
+    robot: &Robot,
+    time_s: &[f64],
+    poses: &[Pose],
+    starts: &[Vec<f64>],
+    settings: &FollowSettings,
+) -> Follow {
+    if let Some(refusal) = malformed(time_s, poses) {
+        return refusal;
+    }
+    let targets: Vec<Pose> = poses.iter().map(|p| robot.base.inv_mul(p)).collect();
+    let tolerance = (settings.tolerance_m, settings.tolerance_rad);
+    let mut solver = Solver::new(robot, tolerance.0, tolerance.1);
+    let mut best: Option<RobotMotion> = None;
+    let mut too_hard: Option<PathCheck> = None;
+    let mut farthest: Option<Track> = None;
+    let is_usable = |s: &&Vec<f64>| s.len() == robot.dof() && s.iter().all(|q| q.is_finite());
+    for start in starts.iter().filter(is_usable) {
+        // Centring the joints costs speed: where that is too much, once more without.
+        for centring in [1.0, 0.0] {
+            solver.centring = centring;
+            let tracked = track(&mut solver, &targets, start, tolerance);
+            if tracked.stop.is_some() {
+                if farthest.as_ref().is_none_or(|f| tracked.q.len() > f.q.len()) {
+                    farthest = Some(tracked);
+                }
+                break;
+            }
+            let mut check = assess(robot, time_s, tracked.q);
+            check.motion.max_residual_m = tracked.worst.m;
+            check.motion.max_residual_rad = tracked.worst.rad;
+            if check.violations.is_empty() {
+                if best.as_ref().is_none_or(|b| check.motion.strain < b.strain) {
+                    best = Some(check.motion);
+                }
+                break;
+            }
+            if too_hard.as_ref().is_none_or(|c| check.motion.strain < c.motion.strain) {
+                too_hard = Some(check);
+            }
+        }
+    }
+    match (best, too_hard, farthest) {
+        (Some(motion), ..) => Follow::Feasible(motion),
+        (None, Some(check), _) => too_hard_because(robot, time_s, &check),
+        (None, None, Some(track)) => stopped_because(robot, time_s, poses, &track, settings),
+        (None, None, None) => {
+            let reason = "no start posture with one number per joint is given".to_owned();
+            Follow::Infeasible { reason, time_s: time_s[0] }
+        }
+    }
+}
+
+fn is_finite(pose: &Pose) -> bool {
+    pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|v| v.is_finite())
+}
+
+fn malformed(time_s: &[f64], poses: &[Pose]) -> Option<Follow> {
+    if let Err((reason, time_s)) = check_times(time_s, poses.len()) {
+        return Some(Follow::Infeasible { reason, time_s });
+    }
+    let k = poses.iter().position(|p| !is_finite(p))?;
+    let reason = format!("the TCP pose at t = {:.2} s is not finite", time_s[k]);
+    Some(Follow::Infeasible { reason, time_s: time_s[k] })
+}
+
+/// The whole path was tracked, but a limit is broken.
+fn too_hard_because(robot: &Robot, time_s: &[f64], check: &PathCheck) -> Follow {
+    let worst = &check.violations[0];
+    let mut reason = worst.to_string();
+    let near = time_s.iter().zip(&check.motion.q).filter(|(t, _)| {
+        // The knots on either side of the worst moment.
+        let step = time_s.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+        (**t - worst.time_s).abs() <= step
+    });
+    let sigma = near.map(|(_, q)| min_singular_value(robot, q)).fold(f64::INFINITY, f64::min);
+    if sigma < NEARLY_SINGULAR {
+        reason.push_str("; the arm is nearly singular there");
+    }
+    Follow::Infeasible { reason, time_s: worst.time_s }
+}
+
+/// Tracking stopped: is the pose out of reach, or only out of reach from where the arm comes?
+fn stopped_because(
+    robot: &Robot,
+    time_s: &[f64],
+    poses: &[Pose],
+    track: &Track,
+    settings: &FollowSettings,
+) -> Follow {
+    let k = track.q.len();
+    let t = time_s[k];
+    let starts =
+        start_postures(robot, &poses[k], &FollowSettings { starts: 1, ..settings.clone() });
+    let (stopped, left) = match &track.stop {
+        Some((q, residual)) => (q.as_slice(), *residual),
+        None => (starts.nearest.as_slice(), Residual { m: 0.0, rad: 0.0 }),
+    };
+    let cold = Residual { m: starts.residual_m, rad: starts.residual_rad };
+    let reason = if !starts.postures.is_empty() {
+        format!(
+            "the TCP pose at t = {t:.2} s cannot be reached without a jump from the posture \
+             before it{}",
+            at_limits(robot, stopped)
+        )
+    } else if cold.size() < left.size() {
+        out_of_reach(robot, t, &starts.nearest, &cold)
+    } else {
+        out_of_reach(robot, t, stopped, &left)
+    };
+    Follow::Infeasible { reason, time_s: t }
+}
+
+fn out_of_reach(robot: &Robot, t: f64, q: &[f64], left: &Residual) -> String {
+    let turn = left.rad.to_degrees();
+    let limits = at_limits(robot, q);
+    format!(
+        "the TCP pose at t = {t:.2} s is out of reach \
+         (nearest {:.3} m and {turn:.1} deg off{limits})",
+        left.m
+    )
+}
+
+/// ", joint `x` at its limit 1.76 rad" for each joint that stands at a limit.
+fn at_limits(robot: &Robot, q: &[f64]) -> String {
+    let mut text = String::new();
+    for (i, joint) in robot.linkage.joints().iter().enumerate() {
+        let unit = if joint.is_prismatic { "m" } else { "rad" };
+        for limit in [robot.limits.lower[i], robot.limits.upper[i]] {
+            if (q[i] - limit).abs() < AT_LIMIT {
+                let _ = write!(text, ", joint `{}` at its limit {limit:.4} {unit}", joint.name);
+            }
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+#[path = "follow_tests.rs"]
+mod tests;

@@ -1,0 +1,156 @@
+//! Tests of path following: what is found, what is refused and in which words.
+
+use super::super::body::{tcp_pose, tcp_poses};
+use super::*;
+use crate::math::Vec3;
+use crate::math::pose::pose_error;
+use nalgebra::UnitQuaternion;
+
+/// Smooth path from 0 to 1 with zero velocity and acceleration at both ends.
+fn min_jerk(s: f64) -> f64 {
+    s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+/// A straight line of the TCP, pointing down, in 100 intervals.
+fn line(from: Vec3, to: Vec3, duration: f64) -> (Vec<f64>, Vec<Pose>) {
+    let down = UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI);
+    let at = |k: i32| Pose::from_parts(from.lerp(&to, min_jerk(f64::from(k) / 100.0)).into(), down);
+    ((0..=100).map(|k| duration * f64::from(k) / 100.0).collect(), (0..=100).map(at).collect())
+}
+
+fn refusal(robot: &Robot, path: &(Vec<f64>, Vec<Pose>)) -> (String, f64) {
+    match follow(robot, &path.0, &path.1, &FollowSettings::default()) {
+        Follow::Infeasible { reason, time_s } => (reason, time_s),
+        Follow::Feasible(motion) => panic!("feasible: {:?}", motion.qd_share),
+    }
+}
+
+#[test]
+fn random_reachable_poses_are_recovered() {
+    for name in super::super::PRESETS {
+        let robot = Robot::preset(name).unwrap();
+        let mut found = 0;
+        for index in 1..=200 {
+            let truth = first_guess(&robot, 77, index);
+            let pose = tcp_pose(&robot, &truth);
+            let settings = FollowSettings { starts: 1, ..FollowSettings::default() };
+            let starts = start_postures(&robot, &pose, &settings);
+            if let Some(q) = starts.postures.first() {
+                found += 1;
+                let e = pose_error(&tcp_pose(&robot, q), &pose);
+                assert!(e.fixed_rows::<3>(0).norm() < 1e-8 && e.fixed_rows::<3>(3).norm() < 1e-8);
+            }
+        }
+        assert!(found >= 198, "{name}: {found} of 200");
+    }
+}
+
+#[test]
+fn a_straight_path_in_front_of_the_arm_is_followed() {
+    for name in super::super::PRESETS {
+        let mut robot = Robot::preset(name).unwrap();
+        robot.base = Pose::translation(0.0, 0.0, 0.8);
+        // Peak speed of the minimum-jerk law is 1.875 times the mean.
+        let duration = 1.875 * 0.4 / 0.25;
+        let path = line(Vec3::new(0.45, -0.2, 1.2), Vec3::new(0.45, 0.2, 1.2), duration);
+        let followed = follow(&robot, &path.0, &path.1, &FollowSettings::default());
+        let Follow::Feasible(motion) = followed else { panic!("{name}: {followed:?}") };
+        assert!(
+            motion.max_residual_m < 1e-12 && motion.max_residual_rad < 1e-12,
+            "Newton finishes"
+        );
+        for (own, wanted) in tcp_poses(&robot, &motion.q).iter().zip(&path.1) {
+            assert!(pose_error(own, wanted).norm() < 1e-8);
+        }
+        for pair in motion.q.windows(2) {
+            let jump = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs());
+            assert!(jump.fold(0.0, f64::max) < 0.05, "{name}: q is continuous");
+        }
+        assert!(motion.qd_share.value < 0.6, "{name}: {:?}", motion.qd_share);
+        assert!(motion.qdd_share.value < 0.6, "{name}: {:?}", motion.qdd_share);
+        assert!(motion.position_margin.value > 0.05 && motion.min_singular_value > 0.02);
+        let again = follow(&robot, &path.0, &path.1, &FollowSettings::default());
+        assert_eq!(again, Follow::Feasible(motion));
+    }
+}
+
+#[test]
+fn a_path_out_of_reach_is_refused_with_its_time() {
+    let robot = Robot::preset("panda").unwrap();
+    let path = line(Vec3::new(0.5, 0.0, 0.4), Vec3::new(1.2, 0.0, 0.4), 4.0);
+    let (reason, time) = refusal(&robot, &path);
+    assert!(reason.contains("out of reach (nearest 0.0"), "{reason}");
+    assert!(reason.contains(&format!("t = {time:.2} s")) && time > 1.0 && time < 3.0, "{reason}");
+    let path = line(Vec3::new(1.5, 0.0, 0.4), Vec3::new(0.5, 0.0, 0.4), 4.0);
+    let (reason, time) = refusal(&robot, &path);
+    assert!(time.abs() < 1e-12 && reason.contains("t = 0.00 s is out of reach"), "{reason}");
+}
+
+#[test]
+fn a_path_that_is_too_fast_names_joint_value_and_limit() {
+    let mut robot = Robot::preset("panda").unwrap();
+    let (from, to) = (Vec3::new(0.45, -0.3, 0.4), Vec3::new(0.45, 0.3, 0.4));
+    let (reason, time) = refusal(&robot, &line(from, to, 0.3));
+    assert!(reason.starts_with("joint `panda_joint"), "{reason}");
+    assert!(reason.contains("its limit is") && time > 0.0 && time < 0.3, "{reason}");
+    // At a leisurely pace only the tightened joint stands in the way.
+    robot.set_velocity_limit("panda_joint1", 0.01).unwrap();
+    let (reason, _) = refusal(&robot, &line(from, to, 5.0));
+    assert!(reason.starts_with("joint `panda_joint1` would move at"), "{reason}");
+    assert!(reason.ends_with("its limit is 0.0100 rad/s"), "{reason}");
+}
+
+#[test]
+fn a_joint_at_its_limit_is_named() {
+    let mut robot = Robot::preset("ur5e").unwrap();
+    // Without the wrist's other side there is one way to hold the tool, and it ends.
+    for (joint, q) in ["shoulder_pan_joint", "wrist_2_joint", "wrist_3_joint"].iter().zip([0, 4, 5])
+    {
+        let at = robot.home[q];
+        robot.set_position_limit(joint, at - 0.6, at + 0.6).unwrap();
+    }
+    let start = tcp_pose(&robot, &robot.home);
+    let turn = |k: i32| {
+        let about_z = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), 0.02 * f64::from(k));
+        Pose::from_parts(start.translation, about_z * start.rotation)
+    };
+    let path = ((0..60).map(|k| 0.1 * f64::from(k)).collect(), (0..60).map(turn).collect());
+    let (reason, time) = refusal(&robot, &path);
+    assert!(reason.contains("joint `wrist_3_joint` at its limit"), "{reason}");
+    assert!((2.9..3.2).contains(&time), "{reason}");
+}
+
+#[test]
+fn malformed_paths_are_infeasible_and_never_panic() {
+    let robot = Robot::preset("panda").unwrap();
+    let good = line(Vec3::new(0.45, -0.2, 0.4), Vec3::new(0.45, 0.2, 0.4), 3.0);
+    let mut nan = good.clone();
+    nan.1[7].translation.vector.y = f64::NAN;
+    let (reason, time) = refusal(&robot, &nan);
+    assert!(reason.contains("not finite") && (time - nan.0[7]).abs() < 1e-12, "{reason}");
+    let mut spun = good.clone();
+    spun.1[3].rotation.as_mut_unchecked().coords.x = f64::INFINITY;
+    assert!(refusal(&robot, &spun).0.contains("not finite"));
+    let mut huge = good.clone();
+    huge.1[50].translation.vector.x = 1e300;
+    assert!(refusal(&robot, &huge).0.contains("out of reach"));
+    assert!(refusal(&robot, &(vec![], vec![])).0.contains("0 knots"));
+    assert!(refusal(&robot, &(good.0[1..].to_vec(), good.1.clone())).0.contains("100 times"));
+    let backwards: Vec<f64> = good.0.iter().rev().copied().collect();
+    assert!(refusal(&robot, &(backwards, good.1.clone())).0.contains("do not rise"));
+    let none = follow_from(&robot, &good.0, &good.1, &[vec![0.0]], &FollowSettings::default());
+    assert!(matches!(none, Follow::Infeasible { .. }));
+    assert!(start_postures(&robot, &nan.1[7], &FollowSettings::default()).postures.is_empty());
+}
+
+#[test]
+fn starts_are_distinct_and_depend_on_the_seed_alone() {
+    let robot = Robot::preset("ur5e").unwrap();
+    let pose = tcp_pose(&robot, &robot.home);
+    let find = |seed| start_postures(&robot, &pose, &FollowSettings { seed, ..Default::default() });
+    let starts = find(1);
+    assert!(starts.postures.len() >= 4, "{}", starts.postures.len());
+    assert_eq!(starts.postures[0], robot.home);
+    assert_eq!(starts, find(1));
+    assert_ne!(starts, find(2));
+}
