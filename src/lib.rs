@@ -44,5 +44,6 @@ pub mod path;
 pub mod posture;
 pub mod qp;
 pub mod recording;
-pub mod trajectory;
 pub mod robot;
+pub mod scenario;
+pub mod trajectory;

@@ -15,8 +15,9 @@ const FLOORS: &[&[&str]] = &[
     &["qp", "trajectory", "files"],
     &["kinematics"],
     &["human", "robot", "ergonomics"],
-    &["posture", "path", "recording", "scenario"],
-    &["training", "planner"],
+    &["posture", "path", "recording"],
+    &["scenario", "training"],
+    &["planner"],
     &["report"],
     &["cli"],
 ];

@@ -1,0 +1,288 @@
+//! What a run finds, as it is written to `result.json` and shown in the report.
+//!
+//! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
+
+use super::preset::Preset;
+use crate::ergonomics::{PairedDifference, ScoreDistribution};
+use crate::path::{Check, Family};
+use crate::posture::MethodQuality;
+use crate::scenario::{Origin, Task};
+use serde::Serialize;
+
+/// Schema id and version of `result.json`.
+pub const RESULT_SCHEMA: &str = "ergopath/result/1";
+
+/// A finished run.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunResult {
+    /// [`RESULT_SCHEMA`].
+    pub schema: &'static str,
+    /// Where it comes from.
+    pub provenance: RunProvenance,
+    /// The decision in words.
+    pub verdict: Verdict,
+    /// All paths: ranked first, then those that are not feasible.
+    pub candidates: Vec<CandidateResult>,
+    /// The best path against others, on the same people.
+    pub comparisons: Vec<Comparison>,
+    /// Inputs of the scores and where they come from.
+    pub inputs: Vec<InputOrigin>,
+    /// Robot, worker, task and cell in words.
+    pub setting: Setting,
+    /// The posture model.
+    pub posture_model: ModelSummary,
+    /// What the reader should know.
+    pub warnings: Vec<String>,
+    /// What is not part of the model.
+    pub not_modelled: Vec<String>,
+    /// The planner's settings.
+    pub planner: Preset,
+}
+
+/// How to make the run again.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunProvenance {
+    /// Version of ergopath.
+    pub program_version: &'static str,
+    /// The canonical command.
+    pub command: String,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// (name, SHA-256) of every input.
+    pub inputs: Vec<(String, String)>,
+    /// The scoring convention.
+    pub score_profile: String,
+}
+
+/// The decision.
+#[derive(Debug, Clone, Serialize)]
+pub struct Verdict {
+    /// One sentence.
+    pub headline: String,
+    /// Two to five more.
+    pub lines: Vec<String>,
+    /// Id of the best feasible path, if there is one.
+    pub best: Option<String>,
+    /// "demonstration model, not your workers", when that applies.
+    pub caveat: Option<String>,
+}
+
+/// One path.
+#[derive(Debug, Clone, Serialize)]
+pub struct CandidateResult {
+    /// 1 is best; none for a path that is not feasible.
+    pub rank: Option<usize>,
+    /// Unique name.
+    pub id: String,
+    /// How it was made.
+    pub family: Family,
+    /// Feasible, marked (the user's own, over a limit), or why not.
+    pub status: Status,
+    /// Stage up to which it was evaluated.
+    pub evaluated: Evaluated,
+    /// Via-points, m, world.
+    pub vias_m: Vec<[f64; 3]>,
+    /// The objective on the block that ranked it.
+    pub objective: Option<f64>,
+    /// Scores of each body.
+    pub bodies: Vec<BodyScores>,
+    /// The path itself; only for paths of the selection.
+    pub path: Option<PathData>,
+    /// Pictures of the mean posture; only for paths of the selection.
+    pub poses: Vec<PosePicture>,
+}
+
+/// Whether a path can be used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+pub enum Status {
+    /// All limits are kept.
+    Feasible,
+    /// The user's own path breaks a limit; it is scored all the same.
+    Marked {
+        /// One sentence for each limit.
+        violations: Vec<String>,
+    },
+    /// It cannot be used.
+    Infeasible {
+        /// "path", "robot" or "obstacle".
+        stage: String,
+        /// Why, in one sentence.
+        reason: String,
+    },
+}
+
+/// How far a path came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Evaluated {
+    /// Refused before any rollout.
+    None,
+    /// Scored in the search only: few people, and the figures that chose it.
+    Search,
+    /// Scored on the reported block.
+    Reported,
+}
+
+/// Scores of one body along one path.
+#[derive(Debug, Clone, Serialize)]
+pub struct BodyScores {
+    /// Name of the body.
+    pub body: String,
+    /// Number of rollouts.
+    pub rollouts: usize,
+    /// RULA of the coupled side.
+    pub rula: ScoreDistribution,
+    /// REBA of the coupled side.
+    pub reba: ScoreDistribution,
+    /// Time means of RULA of each rollout, in order: for paired comparisons.
+    pub rula_by_rollout: Vec<f64>,
+    /// Shares of time at RULA 5 or more, by rollout: mean, 5th and 95th percentile.
+    pub exposure_rula_5_band: [f64; 3],
+    /// RULA of the other side where the scenario gives that arm.
+    pub other_side_rula: Option<ScoreDistribution>,
+    /// Share of rollouts whose reach was exceeded.
+    pub reach_exceeded: f64,
+    /// Earliest time at which a reach was exceeded, s.
+    pub reach_exceeded_from_s: Option<f64>,
+    /// Largest distance of the hand from the path over all rollouts, mm.
+    pub hand_residual_max_mm: f64,
+    /// Root mean square of that distance, mm.
+    pub hand_residual_rms_mm: f64,
+    /// Largest angle between hand and path, deg.
+    pub hand_residual_max_deg: f64,
+    /// Share of the samples that the training data do not support.
+    pub extrapolation_share: f64,
+    /// Share of start postures beyond the 99 % quantile of the training postures.
+    pub unusual_starts: f64,
+    /// Mean Mahalanobis distance of the start postures.
+    pub start_distance: f64,
+    /// Mean RULA step scores over people and time: (part, mean, share of time above its lowest).
+    pub parts: Vec<PartScore>,
+}
+
+/// One body part's share in the score.
+#[derive(Debug, Clone, Serialize)]
+pub struct PartScore {
+    /// Name of the step.
+    pub part: &'static str,
+    /// Mean step score.
+    pub mean: f64,
+    /// Mean drop of the RULA total if this step were at its lowest.
+    pub drives: f64,
+}
+
+/// A path over time.
+#[derive(Debug, Clone, Serialize)]
+pub struct PathData {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// TCP in the world: x, y, z (m), qw, qx, qy, qz.
+    pub tcp: Vec<[f64; 7]>,
+    /// Names of the robot's joints.
+    pub robot_joints: Vec<String>,
+    /// Robot joint angles, rad; empty when the robot cannot follow.
+    pub robot_q: Vec<Vec<f64>>,
+    /// Limits of the TCP with value and margin.
+    pub checks: Vec<Check>,
+    /// The robot's closest approaches to its limits, in words.
+    pub robot_checks: Vec<String>,
+    /// Smallest clearance to an obstacle, m, with what meets what.
+    pub clearance: Option<(f64, String)>,
+    /// How far the QP moved the path, m.
+    pub moved_m: f64,
+}
+
+/// The mean posture and the robot at one moment, as line segments in the world, m.
+#[derive(Debug, Clone, Serialize)]
+pub struct PosePicture {
+    /// Body.
+    pub body: String,
+    /// Time, s.
+    pub time_s: f64,
+    /// Bones of the person.
+    pub bones: Vec<[[f64; 3]; 2]>,
+    /// Joint origins of the robot, base to TCP.
+    pub robot: Vec<[f64; 3]>,
+}
+
+/// The best path against another, paired over people.
+#[derive(Debug, Clone, Serialize)]
+pub struct Comparison {
+    /// Id of the best path.
+    pub best: String,
+    /// Id of the other.
+    pub other: String,
+    /// Body.
+    pub body: String,
+    /// Difference of the expected RULA, best minus other.
+    pub rula: PairedDifference,
+}
+
+/// One input of the scores.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputOrigin {
+    /// What.
+    pub input: String,
+    /// Where from.
+    pub origin: Origin,
+    /// Its value in words.
+    pub value: String,
+    /// What "one class worse" would be, and the change of expected RULA and REBA.
+    pub if_changed: Option<IfChanged>,
+}
+
+/// Sensitivity to an assumed input.
+#[derive(Debug, Clone, Serialize)]
+pub struct IfChanged {
+    /// The other value.
+    pub to: String,
+    /// Change of the expected RULA.
+    pub rula: f64,
+    /// Change of the expected REBA.
+    pub reba: f64,
+}
+
+/// The cell in words and numbers.
+#[derive(Debug, Clone, Serialize)]
+pub struct Setting {
+    /// Scenario name.
+    pub name: String,
+    /// Scenario description.
+    pub description: String,
+    /// Bodies: name, sex, stature (m), mass (kg).
+    pub bodies: Vec<String>,
+    /// Side, stance, place, hold.
+    pub worker: Vec<String>,
+    /// Robot and what is assumed of it.
+    pub robot: Vec<String>,
+    /// Limits that are defaults.
+    pub assumed_limits: Vec<String>,
+    /// The task.
+    pub task: Task,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Forward direction of the worker in the world (x, y), for drawings.
+    pub facing: [f64; 2],
+    /// Obstacles as boxes that bound them, for drawings: name, lower and upper corner, m.
+    pub obstacles: Vec<(String, [f64; 3], [f64; 3])>,
+}
+
+/// The posture model in words and numbers.
+#[derive(Debug, Clone, Serialize)]
+pub struct ModelSummary {
+    /// Its name.
+    pub name: String,
+    /// Its method.
+    pub method: &'static str,
+    /// Simulated operator?
+    pub simulated: bool,
+    /// The body on which it was learned, and those to which it is applied.
+    pub learned_on: String,
+    /// Share of W by joint group.
+    pub weight_by_group: Vec<(String, f64)>,
+    /// Held-out quality.
+    pub quality: Vec<MethodQuality>,
+    /// Remarks of the training.
+    pub notes: Vec<String>,
+}

@@ -1,0 +1,258 @@
+//! From joint angles to RULA and REBA: fills the worksheet's angles from forward kinematics.
+
+use crate::ergonomics::{
+    ArmAngles, ArmPose, BodyPose, Profile, RebaSteps, RulaSteps, TaskInputs, TrunkNeckAngles,
+    Worksheet, arm_angles, reba, rula, trunk_neck_angles, worksheet,
+};
+use crate::ergonomics::Side as ScoreSide;
+use crate::files::InputError;
+use crate::human::{Body, PosedSkeleton, Side, Skeleton};
+use crate::math::{Pose, Rotation, Vec3};
+use crate::scenario::{NeckRule, Scenario};
+use nalgebra::DVector;
+
+/// Range of the neck to which a gaze is held, deg: flexion, extension, twist.
+const NECK_RANGE_DEG: [f64; 3] = [50.0, 60.0, 80.0];
+
+/// What varies between one look at the scores and another.
+#[derive(Debug, Clone)]
+pub(super) struct Lens {
+    pub task: TaskInputs,
+    pub neck: NeckRule,
+    pub profile: Profile,
+}
+
+impl Lens {
+    /// As the scenario says; muscle use only where it follows from the task.
+    pub fn of(scenario: &Scenario) -> Self {
+        let t = &scenario.task;
+        let w = &scenario.worker;
+        let is_seated = matches!(w.stance, crate::human::Stance::Seated { .. });
+        Self {
+            task: TaskInputs {
+                load_kg: t.load_kg,
+                load_static_or_repeated: t.is_repeated() || t.is_static(),
+                load_shock: t.shock,
+                static_gt_1min: t.is_static(),
+                repeated_gt_4min: t.is_repeated(),
+                rapid_large_changes: false,
+                coupling: t.coupling,
+                sitting: is_seated,
+                trunk_supported: w.trunk_supported,
+                legs_unbalanced: false,
+                knee_flex_deg: 0.0,
+                arm_supported: w.arm_supported,
+            },
+            neck: w.neck,
+            profile: Profile::default(),
+        }
+    }
+}
+
+/// The angles of one posture, before any rule about task or neck.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PostureAngles {
+    pub neutral: TrunkNeckAngles,
+    pub gaze: TrunkNeckAngles,
+    pub arm: ArmAngles,
+    /// The other arm, hanging.
+    pub other: ArmAngles,
+}
+
+impl PostureAngles {
+    fn trunk_neck(&self, rule: NeckRule) -> &TrunkNeckAngles {
+        match rule {
+            NeckRule::Neutral => &self.neutral,
+            NeckRule::Gaze => &self.gaze,
+        }
+    }
+
+    pub fn sheet(&self, lens: &Lens) -> Worksheet {
+        worksheet(self.trunk_neck(lens.neck), &self.arm, &lens.task, &lens.profile)
+    }
+
+    pub fn score(&self, lens: &Lens) -> (RulaSteps, RebaSteps) {
+        let sheet = self.sheet(lens);
+        (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
+    }
+
+    /// RULA of the other arm: no load, no coupling.
+    pub fn other_rula(&self, lens: &Lens) -> RulaSteps {
+        let task = TaskInputs { load_kg: 0.0, load_shock: false, arm_supported: false, ..lens.task };
+        let sheet = worksheet(self.trunk_neck(lens.neck), &self.other, &task, &lens.profile);
+        rula(&sheet, &lens.profile)
+    }
+}
+
+/// Poses a body in the world and measures it.
+#[derive(Debug, Clone)]
+pub(super) struct Surveyor {
+    skeleton: Skeleton,
+    pelvis: Pose,
+    side: Side,
+    /// Columns of the other forearm's pronation: hanging mid-prone.
+    other_pronation: Option<usize>,
+}
+
+impl Surveyor {
+    pub fn new(body: &Body, side: Side, pelvis: Pose) -> Result<Self, InputError> {
+        let skeleton = Skeleton::new(body, side)?;
+        let name = format!("j{}Elbow_Y", side.other().prefix());
+        let other_pronation = skeleton.column(&name);
+        Ok(Self { skeleton, pelvis, side, other_pronation })
+    }
+
+    /// All joint angles of the body: the coupled chain as given, the rest at rest.
+    fn whole(&self, q: &DVector<f64>) -> Vec<f64> {
+        let mut all = vec![0.0; self.skeleton.dof()];
+        all[..q.len()].copy_from_slice(q.as_slice());
+        if let Some(c) = self.other_pronation {
+            let sign = if self.side == Side::Right { -1.0 } else { 1.0 };
+            all[c] = sign * std::f64::consts::FRAC_PI_2;
+        }
+        all
+    }
+
+    pub fn measure(&self, q: &DVector<f64>) -> PostureAngles {
+        let posed = self.skeleton.pose(&self.whole(q));
+        let at = |name: &str| self.pelvis * posed.segment(name);
+        let thorax = at("T8");
+        let mut body = BodyPose {
+            pelvis: rotation(&self.pelvis),
+            thorax: rotation(&thorax),
+            head: rotation(&thorax),
+            l5s1: at("L5").translation.vector,
+            c7t1: at("Neck").translation.vector,
+        };
+        let neutral = trunk_neck_angles(&body);
+        let arm = self.arm(&posed, self.side, &body);
+        let other = self.arm(&posed, self.side.other(), &body);
+        let hand = at(self.side.grip()).translation.vector;
+        body.head = gaze(&thorax, &at("Head").translation.vector, &hand);
+        PostureAngles { neutral, gaze: trunk_neck_angles(&body), arm, other }
+    }
+
+    fn arm(&self, posed: &PosedSkeleton, side: Side, body: &BodyPose) -> ArmAngles {
+        let at = |part: &str| self.pelvis * posed.segment(&format!("{}{part}", side.prefix()));
+        let (girdle, upper, fore, hand) = (at("Shoulder"), at("UpperArm"), at("ForeArm"), at("Hand"));
+        let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
+        arm_angles(
+            body,
+            &ArmPose {
+                side: match side {
+                    Side::Right => ScoreSide::Right,
+                    Side::Left => ScoreSide::Left,
+                },
+                upper_arm: rotation(&upper),
+                forearm: rotation(&fore),
+                hand: rotation(&hand),
+                shoulder: upper.translation.vector,
+                elbow: fore.translation.vector,
+                wrist: hand.translation.vector,
+                sternoclavicular: girdle.translation.vector,
+                // The clavicle of our bodies is level at zero.
+                girdle_neutral_deg: 0.0,
+                shoulder_lateral_m: lateral.z.abs(),
+            },
+        )
+    }
+
+    /// Bones as segments in the world, for drawings.
+    pub fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
+        let posed = self.skeleton.pose(&self.whole(q));
+        let at = |name: &str| -> [f64; 3] {
+            (self.pelvis * posed.segment(name)).translation.vector.into()
+        };
+        let mut bones: Vec<[[f64; 3]; 2]> =
+            crate::human::bones().iter().map(|(a, b)| [at(a), at(b)]).collect();
+        let head = self.pelvis * posed.segment("Head");
+        let crown = head * nalgebra::Point3::new(0.0, 0.14, 0.0);
+        bones.push([head.translation.vector.into(), crown.coords.into()]);
+        bones
+    }
+}
+
+fn rotation(pose: &Pose) -> Rotation {
+    pose.rotation.to_rotation_matrix()
+}
+
+/// Head turned about the trunk's long axis and then nodded so that it faces the hand.
+fn gaze(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Rotation {
+    let to = thorax.rotation.inverse() * (hand - head_at);
+    let [flexion, extension, twist] = NECK_RANGE_DEG.map(f64::to_radians);
+    let turn = (-to.z).atan2(to.x).clamp(-twist, twist);
+    let nod = to.y.atan2(to.x.hypot(to.z)).clamp(-flexion, extension);
+    let within = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * turn)
+        * nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * nod);
+    (thorax.rotation * within).to_rotation_matrix()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::Stance;
+
+    fn surveyor(side: Side) -> (Body, Surveyor) {
+        let body = Body::load("male_p50", std::path::Path::new(".")).unwrap();
+        let pelvis = body.pelvis_pose([1.0, -2.0], 0.7, Stance::Standing { shoe_m: 0.03 });
+        let surveyor = Surveyor::new(&body, side, pelvis).unwrap();
+        (body, surveyor)
+    }
+
+    fn angles(side: Side, set: &[(&str, f64)]) -> PostureAngles {
+        let (body, surveyor) = surveyor(side);
+        let arm = body.arm(side).unwrap();
+        let mut q = DVector::zeros(arm.dof());
+        for (name, deg) in set {
+            let column = arm.joints().iter().position(|j| j.name == *name).unwrap();
+            q[column] = deg.to_radians();
+        }
+        surveyor.measure(&q)
+    }
+
+    #[test]
+    fn a_neutral_posture_measures_zero() {
+        let a = angles(Side::Right, &[("jRightElbow_Y", 90.0)]);
+        for value in [
+            a.neutral.trunk_flex_deg,
+            a.neutral.trunk_side_deg,
+            a.neutral.trunk_twist_deg,
+            a.neutral.neck_flex_deg,
+            a.arm.upper_arm_flex_deg,
+            a.arm.upper_arm_abduction_deg,
+            a.arm.girdle_elevation_deg,
+            a.arm.elbow_flex_deg,
+            a.arm.wrist_flex_deg,
+            a.arm.wrist_deviation_deg,
+            a.arm.wrist_twist_deg,
+        ] {
+            assert!(value.abs() < 1e-6, "{a:?}");
+        }
+    }
+
+    #[test]
+    fn single_joints_move_the_angle_that_bears_their_name() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-6, "{a} {b}");
+        near(angles(Side::Right, &[("jRightShoulder_Z", 50.0)]).arm.upper_arm_flex_deg, 50.0);
+        near(angles(Side::Right, &[("jRightShoulder_X", -40.0)]).arm.upper_arm_abduction_deg, 40.0);
+        near(angles(Side::Right, &[("jRightElbow_Z", 80.0)]).arm.elbow_flex_deg, 80.0);
+        near(angles(Side::Right, &[("jRightElbow_Y", 130.0)]).arm.wrist_twist_deg, 40.0);
+        near(angles(Side::Right, &[("jRightWrist_Z", 20.0)]).arm.wrist_flex_deg, 20.0);
+        near(angles(Side::Right, &[("jRightWrist_X", -15.0)]).arm.wrist_deviation_deg, 15.0);
+        near(angles(Side::Right, &[("jRightC7Shoulder_X", -10.0)]).arm.girdle_elevation_deg, 10.0);
+        let bent = angles(Side::Right, &[("jL5S1_Z", -25.0)]);
+        near(bent.neutral.trunk_flex_deg, 25.0);
+        near(bent.neutral.neck_flex_deg, 0.0);
+        near(angles(Side::Right, &[("jT9T8_Y", 20.0)]).neutral.trunk_twist_deg, 20.0);
+        // The left side counts the same way.
+        near(angles(Side::Left, &[("jLeftElbow_Y", -130.0)]).arm.wrist_twist_deg, 40.0);
+        near(angles(Side::Left, &[("jLeftShoulder_X", 40.0)]).arm.upper_arm_abduction_deg, 40.0);
+    }
+
+    #[test]
+    fn the_gaze_follows_a_low_hand() {
+        let a = angles(Side::Right, &[("jRightShoulder_Z", 45.0), ("jRightElbow_Y", 90.0)]);
+        assert!(a.gaze.neck_flex_deg > 20.0, "{:?}", a.gaze);
+        assert!(a.gaze.neck_twist_deg < -5.0, "to the right: {:?}", a.gaze);
+    }
+}

@@ -1,0 +1,32 @@
+//! The scenario: a workstation as its designer describes it, checked and with its files read.
+//!
+//! ```text
+//! TOML text ─ file ─► ScenarioFile (as typed, unknown keys refused)
+//!           ─ check ─► Scenario (bodies, robot, poses, limits, task: everything resolved)
+//! ```
+//! Owner of `scenarios/`.
+
+mod check;
+mod file;
+mod paths;
+mod task;
+
+pub use check::{Scenario, Worker};
+pub use file::{NeckRule, OtherArm, PosturePick};
+pub use paths::{UserPath, read_user_path};
+pub use task::{Origin, Task};
+
+use crate::files::{InputError, parse_toml, read_text, sha256_hex};
+use std::path::Path;
+
+/// Schema id and version of scenario files.
+pub const SCENARIO_SCHEMA: &str = "ergopath/scenario/1";
+
+/// Reads and resolves a scenario; paths in it are relative to its folder.
+pub fn read_scenario(path: &Path) -> Result<Scenario, InputError> {
+    let text = read_text(path)?;
+    let file: file::ScenarioFile = parse_toml(path, &text)?;
+    let source =
+        check::Source { path, text: &text, folder: path.parent().unwrap_or(Path::new(".")) };
+    check::resolve(&source, file, sha256_hex(text.as_bytes()))
+}
