@@ -18,6 +18,6 @@ mod skeleton;
 
 pub use body::{Body, PRESETS, Stance};
 pub use generate::{BodyFiles, generate};
-pub use limits::{PostureLimits, SumLimit};
+pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use proportions::{BodySize, Sex};
 pub use skeleton::{Side, Skeleton, bones};

@@ -40,3 +40,4 @@ pub mod human;
 pub mod kinematics;
 pub mod math;
 pub mod recording;
+pub mod training;
