@@ -3,7 +3,7 @@
 //! ```text
 //! Recording (segment poses) ─ fit ─► JointMotion (q, qdot of one body, inside its limits)
 //! ```
-//! [`fit`] solves one bounded least-squares problem per frame; its parts are the recorded targets,
+//! [`fit()`] solves one bounded least-squares problem per frame; its parts are the recorded targets,
 //! the chain with its residuals, and an active set that keeps every posture inside all limits.
 
 mod active_set;

@@ -70,6 +70,8 @@ pub struct FitReport {
     pub offset_spread_mm: f64,
     /// `J(q) qdot` against the derivative of the (equally filtered) recorded wrist, rms, m/s.
     pub coupling_error_m_s: f64,
+    /// Speed of that wrist in the pelvis frame, rms, m/s: what the coupling error is to be compared with.
+    pub hand_speed_m_s: f64,
     /// Upper arm and forearm, where the recording tells them.
     pub lengths: Vec<SegmentLength>,
     /// Stature at which the body's arm would be as long as the recorded one, m.
@@ -101,6 +103,8 @@ pub(super) fn describe(
     let lengths = lengths(recording, side, chain);
     let (recorded, own) =
         lengths.iter().fold((0.0, 0.0), |sum, l| (sum.0 + l.recorded_m, sum.1 + l.body_m));
+    let (coupling_error_m_s, hand_speed_m_s) =
+        coupling_error(recording, chain, targets, smooth, qdot, settings);
     let mut report = FitReport {
         frames: smooth.q.len(),
         hand_residual_mm: spread(&hand),
@@ -109,7 +113,8 @@ pub(super) fn describe(
         joints_at_limit,
         pelvis_offset_mm: (offset.mean * 1e3).into(),
         offset_spread_mm: offset.spread * 1e3,
-        coupling_error_m_s: coupling_error(recording, chain, targets, smooth, qdot, settings),
+        coupling_error_m_s,
+        hand_speed_m_s,
         stature_hint_m: (lengths.len() == 2).then(|| chain.stature_m * recorded / own),
         lengths,
         frames_projected: smooth.frames_projected,
@@ -195,7 +200,8 @@ fn lengths(recording: &Recording, side: Side, chain: &Chain) -> Vec<SegmentLengt
         .collect()
 }
 
-/// Rms of `J(q) qdot` minus the velocity of the recorded wrist, filtered like the angles, m/s.
+/// Rms of `J(q) qdot` minus the velocity of the recorded wrist, filtered like the angles, and rms of
+/// that velocity, m/s.
 fn coupling_error(
     recording: &Recording,
     chain: &Chain,
@@ -203,21 +209,23 @@ fn coupling_error(
     smooth: &Smooth,
     qdot: &[Vec<f64>],
     settings: &FitSettings,
-) -> f64 {
+) -> (f64, f64) {
     let velocity = [0, 1, 2].map(|axis| {
         let path: Vec<f64> = targets.frames.iter().map(|t| t.hand[axis]).collect();
         let path = low_pass_zero_phase(&path, recording.rate_hz, settings.cutoff_hz);
         differentiate(&path, 1.0 / recording.rate_hz)
     });
     let mut frames = Frames::default();
-    let mut sum = 0.0;
+    let (mut error, mut speed) = (0.0, 0.0);
     for (i, (q, rates)) in smooth.q.iter().zip(qdot).enumerate() {
         chain.linkage.forward(q.as_slice(), &mut frames);
         let twist = chain.hand_jacobian(&frames) * DVector::from_column_slice(rates);
         let measured = Vec3::new(velocity[0][i], velocity[1][i], velocity[2][i]);
-        sum += (twist.fixed_rows::<3>(0) - measured).norm_squared();
+        error += (twist.fixed_rows::<3>(0) - measured).norm_squared();
+        speed += measured.norm_squared();
     }
-    (sum / smooth.q.len() as f64).sqrt()
+    let rms = |sum: f64| (sum / smooth.q.len() as f64).sqrt();
+    (rms(error), rms(speed))
 }
 
 fn notes(
