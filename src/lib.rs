@@ -46,4 +46,5 @@ pub mod qp;
 pub mod recording;
 pub mod robot;
 pub mod scenario;
+pub mod training;
 pub mod trajectory;

@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 pub struct BodyFiles {
     /// URDF text.
     pub urdf: String,
-    /// TOML text of the [`BodySheet`].
+    /// TOML text with sizes and bounds on sums of joints.
     pub sheet: String,
 }
 

@@ -1,6 +1,7 @@
 //! Ranges of motion: of single joints, and of sums of joints (the trunk as a whole).
 //!
-//! Ranges are AAOS normative values (deg). Over the four spine joints they are split after White and
+//! Ranges are AAOS normative values (deg), widened a little where recorded people went beyond them
+//! (axial and lateral L5/S1, depression of the girdle, deviation and axial play of the wrist). Over the four spine joints they are split after White and
 //! Panjabi's proportions and then widened by half, because Xsens-like spine models put up to 45 % of
 //! the flexion into one joint; the *sums* keep the AAOS totals.
 
@@ -90,22 +91,24 @@ pub(super) fn ranges(joint: &str) -> Ranges {
         [(-flexion * w, extension * w), (-lateral * w, lateral * w), (-axial * w, axial * w)]
     };
     match joint {
-        "L5S1" => spine(24.0, 8.0, 4.0, 2.0),
+        "L5S1" => spine(24.0, 8.0, 6.0, 5.0),
         "L4L3" => spine(22.0, 7.0, 11.0, 5.0),
         "L1T12" => spine(18.0, 5.0, 10.0, 8.0),
         "T9T8" => spine(16.0, 5.0, 10.0, 30.0),
         "T1C7" => [(-30.0, 30.0), (-30.0, 30.0), (-30.0, 30.0)],
         "C1Head" => [(-20.0, 30.0), (-15.0, 15.0), (-50.0, 50.0)],
         // Axial roll, depression(+)/elevation(-), retraction(-)/protraction(+) of the clavicle.
-        "C7Shoulder" => [(-15.0, 15.0), (-35.0, 10.0), (-20.0, 25.0)],
+        "C7Shoulder" => [(-15.0, 15.0), (-35.0, 15.0), (-20.0, 25.0)],
         // Extension/flexion, abduction/adduction, external/internal rotation. The axial range is
         // wider than AAOS (90/70): about a raised arm the Z-X-Y split moves part of the plane of
         // elevation into it.
         "Shoulder" => [(-60.0, 180.0), (-170.0, 50.0), (-100.0, 100.0)],
         // Flexion, carrying angle, pronation from full supination: 90 to each side of mid-prone, the
         // upper end of measured people (71 to 96 and 74 to 93), so that the zero is admissible.
-        "Elbow" => [(-5.0, 150.0), (-20.0, 20.0), (0.0, 180.0)],
-        "Wrist" => [(-70.0, 80.0), (-25.0, 35.0), (-10.0, 10.0)],
+        "Elbow" => [(-10.0, 155.0), (-20.0, 20.0), (0.0, 180.0)],
+        // Recorded hands turn by up to 20 deg against the forearm's own frame, because skin-mounted
+        // frames follow only part of the pronation.
+        "Wrist" => [(-70.0, 80.0), (-35.0, 40.0), (-20.0, 20.0)],
         "Hip" => [(-30.0, 120.0), (-45.0, 30.0), (-45.0, 45.0)],
         "Knee" => [(-135.0, 5.0), (-5.0, 5.0), (-10.0, 10.0)],
         "Ankle" => [(-50.0, 20.0), (-20.0, 20.0), (-10.0, 10.0)],

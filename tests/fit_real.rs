@@ -1,0 +1,158 @@
+//! Fits of real recordings, where they are at hand: inside all limits, and the hand where it was.
+
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+#![allow(clippy::print_stdout, reason = "says when it skips, and the figures it judges")]
+
+use ergopath::human::{Body, BodySize, Sex, Side};
+use ergopath::recording::{Recording, read};
+use ergopath::training::{FitSettings, JointMotion, fit};
+use std::path::Path;
+
+/// Reads a shared recording; `None`, and a word about it, where it is absent.
+fn shared(name: &str, person: Option<&str>) -> Option<Recording> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings").join(name);
+    if path.exists() {
+        return Some(read(&path, person).unwrap());
+    }
+    println!("skipped: {name} is not here");
+    None
+}
+
+fn body(sex: Sex, stature_m: f64) -> Body {
+    Body::of_size("fitted", BodySize { sex, stature_m, mass_kg: 70.0 }).unwrap()
+}
+
+/// Largest violation of any limit or sum over all frames, rad.
+fn violation(motion: &JointMotion, body: &Body, side: Side) -> f64 {
+    let limits = body.limits(&body.arm(side).unwrap());
+    motion.q.iter().map(|q| limits.violation(q)).fold(0.0, f64::max)
+}
+
+fn show(label: &str, motion: &JointMotion) {
+    let r = &motion.report;
+    println!(
+        "{label}: hand {:.2?} mm, offset {:.0?} +- {:.1} mm, coupling {:.4} of {:.3} m/s, hint {:?} m",
+        r.hand_residual_mm,
+        r.pelvis_offset_mm,
+        r.offset_spread_mm,
+        r.coupling_error_m_s,
+        r.hand_speed_m_s,
+        r.stature_hint_m
+    );
+    println!("   turns {:.1?}", r.orientation_residual_deg);
+    println!(
+        "   at limit {:.3}: {:.3?}; projected {} by {:.3} deg",
+        r.frames_at_limit_share, r.joints_at_limit, r.frames_projected, r.largest_overshoot_deg
+    );
+    println!("   {:#?}", r.notes);
+}
+
+/// A recording and a body whose arms are about as long as the recorded ones.
+struct Case {
+    file: &'static str,
+    person: Option<&'static str>,
+    side: Side,
+    sex: Sex,
+    stature_m: f64,
+    /// What the filter and conflicts of hand and orientations may leave at the hand, mm; see
+    /// `real_movements_fit_inside_all_limits`.
+    hand_p95_mm: f64,
+}
+
+const CASES: [Case; 6] = [
+    case("kth_handover", Some("giver"), Side::Right, Sex::Male, 1.55, 5.0),
+    case("kth_handover", Some("taker"), Side::Right, Sex::Female, 1.55, 5.0),
+    case("xsens_mvnx/v3_kick_240hz.mvnx", None, Side::Right, Sex::Male, 1.65, 5.0),
+    case("xsens_mvnx/v3_kick_240hz.mvnx", None, Side::Left, Sex::Male, 1.65, 5.0),
+    case("xsens_mvnx/v4_upper_body_60hz.mvnx", None, Side::Right, Sex::Female, 1.55, 1.0),
+    case("xsens_mvnx/v4_upper_body_60hz.mvnx", None, Side::Left, Sex::Female, 1.55, 5.0),
+];
+
+const fn case(
+    file: &'static str,
+    person: Option<&'static str>,
+    side: Side,
+    sex: Sex,
+    stature_m: f64,
+    hand_p95_mm: f64,
+) -> Case {
+    Case { file, person, side, sex, stature_m, hand_p95_mm }
+}
+
+/// Bounds on the hand: one standard deviation of its weight (5 mm) for moving arms, 1 mm where the
+/// arm is nearly still. Measured 95th percentiles: 0.2 to 3.4 mm, of which the conflict between hand
+/// and orientations makes 0.1 to 2.7 mm and the filter the rest.
+#[test]
+fn real_movements_fit_inside_all_limits() {
+    for c in CASES {
+        let Some(recording) = shared(c.file, c.person) else { continue };
+        let body = body(c.sex, c.stature_m);
+        let start = std::time::Instant::now();
+        let motion = fit(&recording, &body, c.side, &FitSettings::default()).unwrap();
+        let took = start.elapsed().as_secs_f64();
+        show(&format!("{} {:?} {:?} ({took:.2} s)", c.file, c.person, c.side), &motion);
+        let sharp = FitSettings { cutoff_hz: 1e3, ..FitSettings::default() };
+        let sharp = fit(&recording, &body, c.side, &sharp).unwrap().report.hand_residual_mm;
+        println!("   unfiltered: hand {sharp:.2?} mm");
+        let report = &motion.report;
+        assert_eq!(motion.q.len(), recording.frames());
+        assert_eq!(motion.q.len(), motion.qdot.len());
+        assert!(motion.q.iter().chain(&motion.qdot).all(|row| row.len() == 24));
+        assert!(violation(&motion, &body, c.side) < 1e-9);
+        assert!(report.hand_residual_mm.p95 < c.hand_p95_mm, "{:?}", report.hand_residual_mm);
+        // Between the recorded chain's joints and this body's nothing may be lost for good.
+        assert!(report.coupling_error_m_s < 0.04, "{} m/s", report.coupling_error_m_s);
+        let no_nan = |v: &[f64]| v.iter().all(|x| x.is_finite() && x.abs() < 30.0);
+        assert!(motion.qdot.iter().all(|v| no_nan(v)));
+        let stature = report.stature_hint_m.unwrap();
+        assert!((1.4..1.9).contains(&stature), "{stature}");
+        assert!(took < 10.0, "{took} s");
+    }
+}
+
+/// Survey over sizes and loosened limits: `cargo test --test fit_real -- --ignored --nocapture`.
+#[test]
+#[ignore = "prints a table for people"]
+fn survey() {
+    for Case { file: name, person, side, .. } in CASES {
+        let Some(r) = shared(name, person) else { return };
+        for sex in [Sex::Female, Sex::Male] {
+            for stature in [1.50, 1.55, 1.60, 1.65, 1.70, 1.75, 1.80] {
+                let b = body(sex, stature);
+                let start = std::time::Instant::now();
+                let m = fit(&r, &b, side, &FitSettings::default()).unwrap();
+                let took = start.elapsed().as_secs_f64();
+                show(&format!("{name} {person:?} {side:?} {sex} {stature} ({took:.2} s)"), &m);
+                assert!(violation(&m, &b, side) < 1e-9);
+            }
+        }
+    }
+}
+
+/// Which angles people reach when nothing holds them: 1st and 99th percentile beside our limits.
+#[test]
+#[ignore = "prints a table for people"]
+fn ranges_without_limits() {
+    for Case { file: name, person, side, .. } in CASES {
+        let Some(r) = shared(name, person) else { return };
+        let own = body(Sex::Male, 1.65);
+        let mut loose = own.clone();
+        for joint in &mut loose.model.joints {
+            (joint.lower, joint.upper) = (-3.0, 3.0);
+        }
+        loose.sums.clear();
+        let m = fit(&r, &loose, side, &FitSettings::default()).unwrap();
+        show(&format!("{name} {person:?} {side:?} without limits"), &m);
+        let arm = own.arm(side).unwrap();
+        for (c, joint) in arm.joints().iter().enumerate() {
+            let angles: Vec<f64> = m.q.iter().map(|q| q[c].to_degrees()).collect();
+            let [low, high] = [0.01, 0.99].map(|p| ergopath::math::stats::quantile(&angles, p));
+            let (lo, hi) = (joint.lower.to_degrees(), joint.upper.to_degrees());
+            let mark = if low < lo || high > hi { "  <-- outside" } else { "" };
+            println!(
+                "   {:22} {low:7.1} .. {high:6.1}   limits {lo:6.1} .. {hi:6.1}{mark}",
+                joint.name
+            );
+        }
+    }
+}
