@@ -6,6 +6,8 @@
 
 mod body;
 mod inspect;
+mod plan;
+mod progress;
 
 use clap::{Parser, Subcommand};
 use miette::Diagnostic;
@@ -26,12 +28,17 @@ enum Command {
     Inspect(inspect::Args),
     /// Makes a digital human of given sex, stature and mass.
     Body(body::Args),
+    /// Plans paths for a scenario: ranks them by the postures they would cause, and reports.
+    Plan(plan::PlanArgs),
+    /// Scores the paths that you have now, as they are, without planning.
+    Assess(plan::AssessArgs),
 }
 
 /// How a command ended when it did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Done,
+    NothingFeasible,
 }
 
 /// Anything that stops a command, shown to the user.
@@ -43,9 +50,12 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Inspect(args) => inspect::run(&args),
         Command::Body(args) => body::run(&args),
+        Command::Plan(args) => plan::plan(&args),
+        Command::Assess(args) => plan::assess(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::NothingFeasible) => ExitCode::from(3),
         Err(failure) => {
             eprintln!("{:?}", miette::Report::new_boxed(failure));
             ExitCode::from(2)

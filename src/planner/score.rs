@@ -1,10 +1,10 @@
 //! From joint angles to RULA and REBA: fills the worksheet's angles from forward kinematics.
 
+use crate::ergonomics::Side as ScoreSide;
 use crate::ergonomics::{
     ArmAngles, ArmPose, BodyPose, Profile, RebaSteps, RulaSteps, TaskInputs, TrunkNeckAngles,
     Worksheet, arm_angles, reba, rula, trunk_neck_angles, worksheet,
 };
-use crate::ergonomics::Side as ScoreSide;
 use crate::files::InputError;
 use crate::human::{Body, PosedSkeleton, Side, Skeleton};
 use crate::math::{Pose, Rotation, Vec3};
@@ -24,7 +24,7 @@ pub(super) struct Lens {
 
 impl Lens {
     /// As the scenario says; muscle use only where it follows from the task.
-    pub fn of(scenario: &Scenario) -> Self {
+    pub(super) fn of(scenario: &Scenario) -> Self {
         let t = &scenario.task;
         let w = &scenario.worker;
         let is_seated = matches!(w.stance, crate::human::Stance::Seated { .. });
@@ -67,18 +67,19 @@ impl PostureAngles {
         }
     }
 
-    pub fn sheet(&self, lens: &Lens) -> Worksheet {
+    pub(super) fn sheet(&self, lens: &Lens) -> Worksheet {
         worksheet(self.trunk_neck(lens.neck), &self.arm, &lens.task, &lens.profile)
     }
 
-    pub fn score(&self, lens: &Lens) -> (RulaSteps, RebaSteps) {
+    pub(super) fn score(&self, lens: &Lens) -> (RulaSteps, RebaSteps) {
         let sheet = self.sheet(lens);
         (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
     }
 
     /// RULA of the other arm: no load, no coupling.
-    pub fn other_rula(&self, lens: &Lens) -> RulaSteps {
-        let task = TaskInputs { load_kg: 0.0, load_shock: false, arm_supported: false, ..lens.task };
+    pub(super) fn other_rula(&self, lens: &Lens) -> RulaSteps {
+        let task =
+            TaskInputs { load_kg: 0.0, load_shock: false, arm_supported: false, ..lens.task };
         let sheet = worksheet(self.trunk_neck(lens.neck), &self.other, &task, &lens.profile);
         rula(&sheet, &lens.profile)
     }
@@ -95,7 +96,7 @@ pub(super) struct Surveyor {
 }
 
 impl Surveyor {
-    pub fn new(body: &Body, side: Side, pelvis: Pose) -> Result<Self, InputError> {
+    pub(super) fn new(body: &Body, side: Side, pelvis: Pose) -> Result<Self, InputError> {
         let skeleton = Skeleton::new(body, side)?;
         let name = format!("j{}Elbow_Y", side.other().prefix());
         let other_pronation = skeleton.column(&name);
@@ -113,7 +114,7 @@ impl Surveyor {
         all
     }
 
-    pub fn measure(&self, q: &DVector<f64>) -> PostureAngles {
+    pub(super) fn measure(&self, q: &DVector<f64>) -> PostureAngles {
         let posed = self.skeleton.pose(&self.whole(q));
         let at = |name: &str| self.pelvis * posed.segment(name);
         let thorax = at("T8");
@@ -134,7 +135,8 @@ impl Surveyor {
 
     fn arm(&self, posed: &PosedSkeleton, side: Side, body: &BodyPose) -> ArmAngles {
         let at = |part: &str| self.pelvis * posed.segment(&format!("{}{part}", side.prefix()));
-        let (girdle, upper, fore, hand) = (at("Shoulder"), at("UpperArm"), at("ForeArm"), at("Hand"));
+        let (girdle, upper, fore, hand) =
+            (at("Shoulder"), at("UpperArm"), at("ForeArm"), at("Hand"));
         let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
         arm_angles(
             body,
@@ -158,7 +160,7 @@ impl Surveyor {
     }
 
     /// Bones as segments in the world, for drawings.
-    pub fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
+    pub(super) fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
         let posed = self.skeleton.pose(&self.whole(q));
         let at = |name: &str| -> [f64; 3] {
             (self.pelvis * posed.segment(name)).translation.vector.into()

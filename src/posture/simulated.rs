@@ -136,7 +136,7 @@ fn covariance(joints: &[String]) -> DMatrix<f64> {
     })
 }
 
-/// Noise: a third of the posture covariance per second, per unit of hand speed.
+/// Noise: five standard deviations of the posture per second, per m/s of hand speed.
 fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = covariance.clone().symmetric_eigen();
     let kept: Vec<usize> = (0..covariance.nrows())
@@ -144,7 +144,7 @@ fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
         .collect();
     DMatrix::from_fn(covariance.nrows(), kept.len(), |r, c| {
         let k = kept[c];
-        1.2 * eigen.eigenvalues[k].sqrt() * eigen.eigenvectors[(r, k)]
+        5.0 * eigen.eigenvalues[k].sqrt() * eigen.eigenvectors[(r, k)]
     })
 }
 

@@ -1,0 +1,239 @@
+//! `ergopath plan` and `ergopath assess`: from a scenario file to a folder of results.
+
+use super::progress::Progress;
+use super::{Failure, Outcome};
+use crate::files::{InputError, OutputFolder, write_whole};
+use crate::planner::{self, Evaluated, PlanError, Request, RunResult, Status, load_preset};
+use crate::report;
+use crate::scenario::{Scenario, read_scenario, read_user_path};
+use comfy_table::{Cell, CellAlignment, Table, presets};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Arguments of `plan`.
+#[derive(Debug, clap::Args)]
+pub(super) struct PlanArgs {
+    /// Scenario file (TOML).
+    scenario: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Arguments of `assess`.
+#[derive(Debug, clap::Args)]
+pub(super) struct AssessArgs {
+    /// Scenario file (TOML).
+    scenario: PathBuf,
+    /// A path to score: CSV with time_s and the TCP's poses or the robot's joints. May be repeated.
+    #[arg(long, value_name = "FILE.csv")]
+    path: Vec<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Options of both commands.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Common {
+    /// Folder to write; replaced only if ergopath made it.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Seed of all randomness; without it the scenario's, else 0.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Planner: default, quick, careful, or a TOML file.
+    #[arg(long, default_value = "default", value_name = "NAME|FILE")]
+    planner: String,
+    /// Number of threads; results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Also write the time of each stage to a file.
+    #[arg(long, value_name = "FILE")]
+    timings: Option<PathBuf>,
+    /// Print result.json instead of the table.
+    #[arg(long)]
+    json: bool,
+    /// Print the verdict only.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Plans a scenario.
+pub(super) fn plan(args: &PlanArgs) -> Result<Outcome, Failure> {
+    let scenario = read_scenario(&args.scenario)?;
+    run("plan", &scenario, &args.common, planner::plan)
+}
+
+/// Assesses paths.
+pub(super) fn assess(args: &AssessArgs) -> Result<Outcome, Failure> {
+    let mut scenario = read_scenario(&args.scenario)?;
+    for file in &args.path {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let path = read_user_path(&name, file, &scenario.robot)?;
+        if scenario.paths.iter().any(|p| p.name == path.name) {
+            let message = format!("there are two paths named `{}`", path.name);
+            return Err(InputError::new(file, message).remedy("rename one of the files").into());
+        }
+        scenario.paths.push(path);
+    }
+    run("assess", &scenario, &args.common, planner::assess)
+}
+
+type Planner = fn(&Scenario, &Request, planner::Stage) -> Result<RunResult, PlanError>;
+
+fn run(
+    verb: &str,
+    scenario: &Scenario,
+    common: &Common,
+    planner: Planner,
+) -> Result<Outcome, Failure> {
+    let started = Instant::now();
+    let preset = load_preset(&common.planner)?;
+    // A folder that cannot be written fails now, not after the work.
+    drop(OutputFolder::create(&common.output)?);
+    for warning in &scenario.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let seed = common.seed.unwrap_or(scenario.seed);
+    let request = Request { command: canonical(verb, scenario, common, seed), seed, preset };
+    let result = with_threads(common.threads, || {
+        let progress = Progress::new();
+        planner(scenario, &request, &|stage, done, total| progress.tell(stage, done, total))
+    })?
+    .map_err(failure)?;
+    let planned_s = started.elapsed().as_secs_f64();
+    let folder = OutputFolder::create(&common.output)?;
+    for (name, bytes) in
+        report::files(&result).map_err(|e| InputError::new("report", e.to_string()))?
+    {
+        folder.write(&name, &bytes)?;
+    }
+    let written = folder.publish()?;
+    let total_s = started.elapsed().as_secs_f64();
+    if let Some(file) = &common.timings {
+        let text =
+            format!("stage,seconds\nplan,{planned_s:.3}\nreport,{:.3}\n", total_s - planned_s);
+        write_whole(file, text.as_bytes())?;
+    }
+    if common.json {
+        println!(
+            "{}",
+            report::result_json(&result).map_err(|e| InputError::new("report", e.to_string()))?
+        );
+    } else {
+        print(&result, common.quiet);
+        if !common.quiet {
+            let shown = common.output.join("report.html");
+            println!(
+                "\n{}  ({planned_s:.1} s planning, {:.1} s report)",
+                shown.display(),
+                total_s - planned_s
+            );
+        }
+    }
+    let _ = written;
+    Ok(if result.verdict.best.is_some() { Outcome::Done } else { Outcome::NothingFeasible })
+}
+
+/// Runs on a pool of the asked size.
+pub(super) fn with_threads<R: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, Failure> {
+    let Some(threads) = threads else { return Ok(work()) };
+    if threads == 0 {
+        return Err(InputError::new("--threads", "0 threads cannot work")
+            .remedy("use 1 or more")
+            .into());
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| InputError::new("--threads", e.to_string()))?;
+    Ok(pool.install(work))
+}
+
+pub(super) fn failure(error: PlanError) -> Failure {
+    match error {
+        PlanError::Input(e) => e.into(),
+        PlanError::Interrupted => InputError::new("run", "interrupted; nothing was written").into(),
+    }
+}
+
+/// The command without what does not change the result.
+fn canonical(verb: &str, scenario: &Scenario, common: &Common, seed: u64) -> String {
+    let planner = Path::new(&common.planner).file_name().unwrap_or_default().to_string_lossy();
+    let mut command = format!("ergopath {verb} {}", scenario.file);
+    if verb == "assess" {
+        for path in &scenario.paths {
+            command.push_str(&format!(" --path {}.csv", path.name));
+        }
+    }
+    format!("{command} --seed {seed} --planner {planner}")
+}
+
+/// The verdict and the ranking.
+fn print(result: &RunResult, quiet: bool) {
+    println!("{}", result.verdict.headline);
+    if let Some(caveat) = &result.verdict.caveat {
+        println!("  [{caveat}]");
+    }
+    for line in &result.verdict.lines {
+        println!("  {line}");
+    }
+    if quiet {
+        return;
+    }
+    println!();
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header([
+        "rank",
+        "path",
+        "body",
+        "time at 3+",
+        "RULA",
+        "90 % band",
+        "REBA",
+        "out of reach",
+        "state",
+    ]);
+    let shown = result.candidates.iter().filter(|c| c.evaluated == Evaluated::Reported);
+    for c in shown {
+        for (i, b) in c.bodies.iter().enumerate() {
+            let state = match &c.status {
+                Status::Feasible => "",
+                Status::Marked { .. } => "over a limit",
+                Status::Infeasible { .. } => "infeasible",
+            };
+            let once = |text: String| if i == 0 { text } else { String::new() };
+            table.add_row(
+                [
+                    once(c.rank.map_or_else(String::new, |r| r.to_string())),
+                    once(c.id.clone()),
+                    b.body.clone(),
+                    format!("{:.0} %", 100.0 * b.rula.exposure.get(5).copied().unwrap_or(0.0)),
+                    format!("{:.2}", b.rula.expected),
+                    format!("{:.2} to {:.2}", b.rula.p05, b.rula.p95),
+                    format!("{:.2}", b.reba.expected),
+                    format!("{:.0} %", 100.0 * b.reach_exceeded),
+                    once(state.to_owned()),
+                ]
+                .map(Cell::new),
+            );
+        }
+    }
+    for column in [0, 3, 4, 6, 7] {
+        if let Some(c) = table.column_mut(column) {
+            c.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    println!("{}", table.trim_fmt());
+    let refused = result.candidates.iter().filter(|c| c.evaluated == Evaluated::None).count();
+    let searched = result.candidates.iter().filter(|c| c.evaluated == Evaluated::Search).count();
+    println!(
+        "  and {searched} paths of the search that were not shortlisted, {refused} that are not feasible"
+    );
+    for c in &result.candidates {
+        if let Status::Marked { violations } = &c.status {
+            println!("  `{}` breaks limits: {}", c.id, violations.join("; "));
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! Sends people along paths and scores them.
+
+use super::result::{BodyScores, PartScore, PosePicture};
+use super::score::{Lens, PostureAngles, Surveyor};
+use crate::ergonomics::{
+    P_AT_LEAST_S, REBA_WORST, RULA_WORST, RulaStep, ScoreDistribution, drivers, score_distribution,
+};
+use crate::files::InputError;
+use crate::math::Pose;
+use crate::math::stats::{mean, quantile};
+use crate::math::stream::{Purpose, stream};
+use crate::posture::{Coupling, NoisePath, Rollout, Start, roll_out, start_postures};
+use crate::robot::stick;
+use crate::scenario::{OtherArm, Scenario};
+use crate::trajectory::TimedPath;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Offset of the block number for the noise stream, so that start and noise draw from other streams.
+const NOISE_BLOCK: u32 = 1 << 16;
+
+/// One body in the scenario.
+pub(super) struct Person<'a> {
+    pub name: String,
+    scenario: &'a Scenario,
+    coupling: Coupling,
+    surveyor: Surveyor,
+    world_to_pelvis: Pose,
+}
+
+/// One walk of one person, with the angles of every frame.
+pub(super) struct Walk {
+    pub rollout: Rollout,
+    pub angles: Vec<PostureAngles>,
+    pub start: Start,
+}
+
+/// The walks of one person along one path.
+pub(super) struct Walks {
+    pub walks: Vec<Walk>,
+    pub dt: f64,
+}
+
+impl<'a> Person<'a> {
+    pub(super) fn all(scenario: &'a Scenario) -> Result<Vec<Self>, InputError> {
+        let w = &scenario.worker;
+        w.bodies
+            .iter()
+            .map(|body| {
+                let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
+                let coupling = Coupling::new(body, w.side, scenario.hold)?;
+                check_chain(&coupling, scenario)?;
+                Ok(Self {
+                    name: body.name.clone(),
+                    scenario,
+                    coupling,
+                    surveyor: Surveyor::new(body, w.side, pelvis)?,
+                    world_to_pelvis: pelvis.inverse(),
+                })
+            })
+            .collect()
+    }
+
+    /// Grip poses in the pelvis frame along a TCP path.
+    fn targets(&self, path: &TimedPath) -> Vec<Pose> {
+        path.poses.iter().map(|tcp| self.world_to_pelvis * tcp * self.scenario.grip).collect()
+    }
+
+    /// `count` people along a path. The same (seed, block) means the same people on every path.
+    pub(super) fn walk(&self, path: &TimedPath, (seed, block): (u64, u32), count: usize) -> Walks {
+        let model = &self.scenario.worker.model;
+        let targets = self.targets(path);
+        let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
+        let starts = start_postures(
+            &self.coupling,
+            &model.postures,
+            &self.scenario.worker.start_rule,
+            &targets[0],
+            (seed, block),
+            count,
+        );
+        let walks = starts
+            .into_par_iter()
+            .enumerate()
+            .map(|(r, start)| {
+                let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
+                let noise: NoisePath = model.noise.path(&mut rng, targets.len(), dt);
+                let way = (path.time_s.as_slice(), targets.as_slice());
+                let rollout = roll_out(&self.coupling, model, way, &start, Some(&noise));
+                let angles = rollout.q.iter().map(|q| self.surveyor.measure(q)).collect();
+                Walk { rollout, angles, start }
+            })
+            .collect();
+        Walks { walks, dt }
+    }
+
+    /// The mean posture and the robot at a few moments, for drawings.
+    pub(super) fn pictures(
+        &self,
+        walks: &Walks,
+        path: &TimedPath,
+        robot_q: &[Vec<f64>],
+        moments: usize,
+    ) -> Vec<PosePicture> {
+        let last = path.time_s.len() - 1;
+        (0..moments)
+            .map(|i| {
+                let k = i * last / (moments - 1).max(1);
+                let reached: Vec<&DVector<f64>> = walks
+                    .walks
+                    .iter()
+                    .filter(|w| w.rollout.reach_exceeded_at.is_none_or(|at| at > k))
+                    .map(|w| &w.rollout.q[k])
+                    .collect();
+                let bones = match reached.len() {
+                    0 => Vec::new(),
+                    n => {
+                        let sum =
+                            reached.iter().fold(DVector::zeros(reached[0].len()), |s, q| s + *q);
+                        self.surveyor.bones(&(sum / n as f64))
+                    }
+                };
+                let robot = robot_q.get(k).map_or_else(Vec::new, |q| {
+                    stick(&self.scenario.robot, q).into_iter().map(Into::into).collect()
+                });
+                PosePicture { body: self.name.clone(), time_s: path.time_s[k], bones, robot }
+            })
+            .collect()
+    }
+}
+
+fn check_chain(coupling: &Coupling, scenario: &Scenario) -> Result<(), InputError> {
+    let model = &scenario.worker.model;
+    if coupling.joints().eq(model.joints.iter().map(String::as_str)) {
+        return Ok(());
+    }
+    Err(InputError::new(&model.name, "was learned on a chain with other joints than the body's")
+        .remedy("train the model with a body made by `ergopath body`"))
+}
+
+impl Walks {
+    /// Scores of every rollout and frame; after the reach is exceeded the worst there is.
+    fn scores(&self, lens: &Lens) -> (Vec<Vec<u8>>, Vec<Vec<u8>>) {
+        let per_walk: Vec<(Vec<u8>, Vec<u8>)> = self
+            .walks
+            .par_iter()
+            .map(|w| {
+                let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+                let score = |(k, a): (usize, &PostureAngles)| {
+                    if k >= end {
+                        return (RULA_WORST, REBA_WORST);
+                    }
+                    let (rula, reba) = a.score(lens);
+                    (rula.grand, reba.total)
+                };
+                w.angles.iter().enumerate().map(score).unzip()
+            })
+            .collect();
+        per_walk.into_iter().unzip()
+    }
+
+    /// Expected RULA and REBA under a lens.
+    pub(super) fn expected(&self, lens: &Lens) -> (f64, f64) {
+        let (rula, reba) = self.scores(lens);
+        (mean(&time_means(&rula)), mean(&time_means(&reba)))
+    }
+
+    /// The objective's ingredients and everything the report shows of one body.
+    pub(super) fn summary(
+        &self,
+        body: &str,
+        lens: &Lens,
+        other_arm: OtherArm,
+    ) -> Option<BodyScores> {
+        let (rula_scores, reba_scores) = self.scores(lens);
+        let rula = distribution(&rula_scores, self.dt, RULA_WORST)?;
+        let reba = distribution(&reba_scores, self.dt, REBA_WORST)?;
+        let exposures: Vec<f64> = rula_scores.iter().map(|s| share_at_least(s, 5)).collect();
+        let exceeded: Vec<usize> =
+            self.walks.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
+        let count = self.walks.len() as f64;
+        let of = |f: fn(&Rollout) -> f64| -> Vec<f64> {
+            self.walks.iter().map(|w| f(&w.rollout)).collect()
+        };
+        let largest = |v: Vec<f64>| v.into_iter().fold(0.0, f64::max);
+        let squares: Vec<f64> = of(|r| r.rms_residual_m.powi(2));
+        let starts: Vec<f64> =
+            self.walks.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
+        Some(BodyScores {
+            body: body.to_owned(),
+            rollouts: self.walks.len(),
+            rula_by_rollout: time_means(&rula_scores),
+            exposure_rula_5_band: [
+                mean(&exposures),
+                quantile(&exposures, 0.05),
+                quantile(&exposures, 0.95),
+            ],
+            other_side_rula: match other_arm {
+                OtherArm::Unknown => None,
+                OtherArm::Hanging => distribution(&self.other_scores(lens), self.dt, RULA_WORST),
+            },
+            rula,
+            reba,
+            reach_exceeded: exceeded.len() as f64 / count,
+            reach_exceeded_from_s: exceeded.iter().min().map(|&k| k as f64 * self.dt),
+            hand_residual_max_mm: 1e3 * largest(of(|r| r.max_residual_m)),
+            hand_residual_rms_mm: 1e3 * mean(&squares).sqrt(),
+            hand_residual_max_deg: largest(of(|r| r.max_residual_rad)).to_degrees(),
+            extrapolation_share: mean(&of(|r| r.extrapolation_share)),
+            unusual_starts: self.walks.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
+            start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
+            parts: self.parts(lens),
+        })
+    }
+
+    fn other_scores(&self, lens: &Lens) -> Vec<Vec<u8>> {
+        let score = |w: &Walk| w.angles.iter().map(|a| a.other_rula(lens).grand).collect();
+        self.walks.iter().map(score).collect()
+    }
+
+    /// Mean step scores of RULA over people and time, and how much each drives the total.
+    fn parts(&self, lens: &Lens) -> Vec<PartScore> {
+        let mut sums = [[0.0f64; 2]; RulaStep::ALL.len()];
+        let mut count = 0.0;
+        for walk in &self.walks {
+            let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+            for (_, angles) in walk.angles.iter().enumerate().filter(|(k, _)| *k < end) {
+                let sheet = angles.sheet(lens);
+                let s = angles.score(lens).0;
+                let steps = [
+                    s.upper_arm,
+                    s.lower_arm,
+                    s.wrist,
+                    s.wrist_twist,
+                    s.neck,
+                    s.trunk,
+                    s.legs,
+                    s.muscle,
+                    s.force,
+                ];
+                for (i, driver) in drivers(&sheet, &lens.profile).iter().enumerate() {
+                    sums[i][0] += f64::from(steps[i]);
+                    sums[i][1] += f64::from(driver.drop);
+                }
+                count += 1.0;
+            }
+        }
+        let part = |(step, [mean, drives]): (&RulaStep, &[f64; 2])| PartScore {
+            part: step.name(),
+            mean: mean / f64::max(count, 1.0),
+            drives: drives / f64::max(count, 1.0),
+        };
+        RulaStep::ALL.iter().zip(&sums).map(part).collect()
+    }
+}
+
+fn distribution(scores: &[Vec<u8>], dt: f64, worst: u8) -> Option<ScoreDistribution> {
+    score_distribution(scores, dt, worst, P_AT_LEAST_S)
+}
+
+/// S_r: the time mean of each rollout.
+fn time_means(scores: &[Vec<u8>]) -> Vec<f64> {
+    let one = |s: &Vec<u8>| s.iter().map(|v| f64::from(*v)).sum::<f64>() / s.len() as f64;
+    scores.iter().map(one).collect()
+}
+
+fn share_at_least(scores: &[u8], k: u8) -> f64 {
+    scores.iter().filter(|s| **s >= k).count() as f64 / scores.len() as f64
+}

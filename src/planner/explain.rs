@@ -1,0 +1,393 @@
+//! The run in words: verdict, comparisons, origins of inputs, assumptions.
+
+use super::evaluate::Walks;
+use super::result::{
+    BodyScores, CandidateResult, Comparison, Evaluated, IfChanged, InputOrigin, ModelSummary,
+    Setting, Status, Verdict,
+};
+use super::score::Lens;
+use crate::ergonomics::{paired_difference, rula_action_level, rula_action_words};
+use crate::human::Stance;
+use crate::posture::{Hold, StartRule};
+use crate::robot::Obstacle;
+use crate::scenario::{NeckRule, Origin, OtherArm, Scenario};
+
+/// The words that must stand in the verdict of a model that is not of the worker concerned.
+const CAVEAT: &str = "demonstration model, not your workers";
+
+/// The best feasible path of the report.
+fn best(candidates: &[CandidateResult]) -> Option<&CandidateResult> {
+    candidates.iter().find(|c| c.status == Status::Feasible && c.evaluated == Evaluated::Reported)
+}
+
+/// The body with the highest expected RULA.
+fn worst_body(candidate: &CandidateResult) -> Option<&BodyScores> {
+    candidate.bodies.iter().max_by(|a, b| a.rula.expected.total_cmp(&b.rula.expected))
+}
+
+/// The best path against every other path of the report, for every body.
+pub(super) fn comparisons(candidates: &[CandidateResult]) -> Vec<Comparison> {
+    let Some(best) = best(candidates) else { return Vec::new() };
+    let others =
+        candidates.iter().filter(|c| c.id != best.id && c.evaluated == Evaluated::Reported);
+    let mut all = Vec::new();
+    for other in others {
+        for (a, b) in best.bodies.iter().zip(&other.bodies) {
+            all.push(Comparison {
+                best: best.id.clone(),
+                other: other.id.clone(),
+                body: a.body.clone(),
+                rula: paired_difference(&a.rula_by_rollout, &b.rula_by_rollout),
+            });
+        }
+    }
+    all
+}
+
+pub(super) fn verdict(
+    scenario: &Scenario,
+    candidates: &[CandidateResult],
+    comparisons: &[Comparison],
+    inputs: &[InputOrigin],
+) -> Verdict {
+    let caveat = caveat(scenario);
+    let Some(best) = best(candidates) else {
+        return nothing_feasible(candidates, caveat);
+    };
+    let Some(body) = worst_body(best) else {
+        return nothing_feasible(candidates, caveat);
+    };
+    let level = rula_action_level(body.rula.expected.round() as u8);
+    let [exposure, low, high] = body.exposure_rula_5_band;
+    let headline = format!(
+        "Path `{}`: {} of the time at RULA action level 3 or above (90 % of repetitions: {} to {})",
+        best.id,
+        percent(exposure),
+        percent(low),
+        percent(high),
+    );
+    let mut lines = vec![format!(
+        "Expected RULA {:.2} (90 % band {:.2} to {:.2}, standard error {:.2}), near action level {level}: {}. \
+         Expected REBA {:.2} ({:.2} to {:.2}). These are means of ordinal scores, over people and time.",
+        body.rula.expected,
+        body.rula.p05,
+        body.rula.p95,
+        body.rula.standard_error.unwrap_or(f64::NAN),
+        rula_action_words(level),
+        body.reba.expected,
+        body.reba.p05,
+        body.reba.p95,
+    )];
+    if best.id != "straight" {
+        lines.extend(against("straight", "the straight path", comparisons, &body.body));
+    }
+    for own in candidates.iter().filter(|c| is_users(scenario, &c.id) && c.id != best.id) {
+        lines.extend(against(&own.id, &format!("your path `{}`", own.id), comparisons, &body.body));
+    }
+    if best.bodies.len() > 1 {
+        lines.push(format!("Figures are for the worst body, {}.", body.body));
+    }
+    if body.reach_exceeded > 0.0 {
+        lines.push(format!(
+            "In {} of the rollouts the hand cannot follow (first at {:.2} s); they count as the worst \
+             score from there on.",
+            percent(body.reach_exceeded),
+            body.reach_exceeded_from_s.unwrap_or(0.0)
+        ));
+    }
+    if let Some(muscle) = inputs.iter().find(|i| i.input == "muscle use")
+        && let Some(change) = &muscle.if_changed
+    {
+        lines.push(format!(
+            "If the task repeats more than 4 times a minute or is held over a minute: RULA {:.2}, REBA \
+             {:.2} (cycles_per_min and hold_s are not both given).",
+            body.rula.expected + change.rula,
+            body.reba.expected + change.reba,
+        ));
+    }
+    Verdict { headline, lines, best: Some(best.id.clone()), caveat }
+}
+
+fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<String>) -> Verdict {
+    let mut reasons: Vec<(String, usize)> = Vec::new();
+    let mut marked = Vec::new();
+    for c in candidates {
+        match &c.status {
+            Status::Infeasible { stage, reason } => {
+                let text = format!("{stage}: {reason}");
+                match reasons.iter_mut().find(|(t, _)| *t == text) {
+                    Some((_, n)) => *n += 1,
+                    None => reasons.push((text, 1)),
+                }
+            }
+            Status::Marked { violations } => {
+                marked.push(format!("`{}` is over a limit: {}", c.id, violations.join("; ")));
+            }
+            Status::Feasible => {}
+        }
+    }
+    reasons.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut lines: Vec<String> = reasons
+        .into_iter()
+        .take(5)
+        .map(|(t, n)| format!("{n} of {}: {t}", candidates.len()))
+        .collect();
+    lines.extend(marked);
+    Verdict { headline: "No path keeps all limits".to_owned(), lines, best: None, caveat }
+}
+
+fn is_users(scenario: &Scenario, id: &str) -> bool {
+    scenario.paths.iter().any(|p| p.name == id) || scenario.drawn.iter().any(|d| d.id == id)
+}
+
+fn against(id: &str, name: &str, comparisons: &[Comparison], body: &str) -> Option<String> {
+    let found = comparisons.iter().find(|c| c.other == id && c.body == body)?;
+    let d = &found.rula;
+    Some(if d.clear {
+        format!(
+            "Against {name}: expected RULA {:+.2} (95 % interval {:+.2} to {:+.2}, paired over {} people).",
+            d.mean, d.low95, d.high95, d.n
+        )
+    } else {
+        format!(
+            "Against {name}: no clear difference ({:+.2}, 95 % interval {:+.2} to {:+.2}).",
+            d.mean, d.low95, d.high95
+        )
+    })
+}
+
+fn caveat(scenario: &Scenario) -> Option<String> {
+    let model = &scenario.worker.model;
+    let other_body = scenario.worker.bodies.iter().any(|b| b.size != model.size);
+    (model.provenance.simulated || other_body).then(|| CAVEAT.to_owned())
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+/// The inputs of the scores, where they come from, and what one class more would change.
+pub(super) fn inputs(
+    scenario: &Scenario,
+    lens: &Lens,
+    walks: Option<&[Walks]>,
+) -> Vec<InputOrigin> {
+    let task = &scenario.task;
+    let worker = &scenario.worker;
+    // The change for the body that is listed first.
+    let now = walks.and_then(|w| w.first()).map(|w| (w, w.expected(lens)));
+    let changed = |to: &str, change: &dyn Fn(&mut Lens)| -> Option<IfChanged> {
+        let (walks, (rula, reba)) = now.as_ref()?;
+        let mut other = lens.clone();
+        change(&mut other);
+        let (r, b) = walks.expected(&other);
+        Some(IfChanged { to: to.to_owned(), rula: r - rula, reba: b - reba })
+    };
+    let input = |input: &str, origin: Origin, value: String, if_changed: Option<IfChanged>| {
+        InputOrigin { input: input.to_owned(), origin, value, if_changed }
+    };
+    let given = |given: bool| if given { Origin::FromTheTask } else { Origin::Assumed };
+    let more_load = [2.1, 5.0, 10.1].into_iter().find(|l| *l > task.load_kg);
+    let (other_neck, other_name) = match worker.neck {
+        NeckRule::Neutral => (NeckRule::Gaze, "turned to the hand"),
+        NeckRule::Gaze => (NeckRule::Neutral, "in line with the trunk"),
+    };
+    let side = worker.side.prefix().to_lowercase();
+    let seated = matches!(worker.stance, Stance::Seated { .. });
+    vec![
+        input(
+            &format!("{side} arm, girdle, trunk"),
+            Origin::Predicted,
+            "posture model".into(),
+            None,
+        ),
+        input(
+            "other arm",
+            if worker.other_arm == OtherArm::Unknown {
+                Origin::Unknown
+            } else {
+                Origin::FromTheTask
+            },
+            match worker.other_arm {
+                OtherArm::Unknown => "not scored".into(),
+                OtherArm::Hanging => "hanging".into(),
+            },
+            None,
+        ),
+        input(
+            "neck",
+            Origin::Assumed,
+            if worker.neck == NeckRule::Neutral {
+                "in line with the trunk"
+            } else {
+                "turned to the hand"
+            }
+            .into(),
+            changed(other_name, &|l| l.neck = other_neck),
+        ),
+        input(
+            "load",
+            task.load_origin,
+            format!(
+                "{:.2} kg (part {} kg x share {}, plus {} kg)",
+                task.load_kg, task.part_mass_kg, task.human_load_share, task.extra_load_kg
+            ),
+            more_load.and_then(|l| changed(&format!("{l} kg"), &|x| x.task.load_kg = l)),
+        ),
+        input("share of the load", task.share_origin, format!("{}", task.human_load_share), None),
+        input(
+            "muscle use",
+            task.muscle_origin(),
+            if task.is_repeated() || task.is_static() {
+                "repeated or static"
+            } else {
+                "neither repeated nor static"
+            }
+            .into(),
+            if task.muscle_origin() == Origin::Assumed {
+                changed("repeated over 4 a minute", &|l| {
+                    l.task.repeated_gt_4min = true;
+                    l.task.load_static_or_repeated = true;
+                })
+            } else {
+                None
+            },
+        ),
+        input(
+            "coupling (REBA)",
+            task.coupling_origin,
+            ["good", "fair", "poor", "unacceptable"][usize::from(task.coupling.min(3))].into(),
+            changed("one class worse", &|l| l.task.coupling = (l.task.coupling + 1).min(3)),
+        ),
+        input(
+            "legs",
+            Origin::Assumed,
+            if seated {
+                "seated, feet supported"
+            } else {
+                "standing, weight on both, knees straight"
+            }
+            .into(),
+            changed("weight on one leg", &|l| l.task.legs_unbalanced = true),
+        ),
+        input(
+            "support of the arm",
+            given(worker.arm_supported),
+            if worker.arm_supported { "supported" } else { "none" }.into(),
+            None,
+        ),
+        input("shock", given(task.shock), if task.shock { "yes" } else { "none" }.into(), None),
+    ]
+}
+
+pub(super) fn setting(scenario: &Scenario) -> Setting {
+    let w = &scenario.worker;
+    let stance = match w.stance {
+        Stance::Standing { shoe_m } => format!("standing, shoes {shoe_m} m"),
+        Stance::Seated { seat_height_m } => format!("seated at {seat_height_m} m"),
+    };
+    let hold = match scenario.hold {
+        Hold::Rigid => "the robot prescribes position and orientation of the hand",
+        Hold::FreeRoll => "the hand may turn about the bar it holds",
+        Hold::Point => "the robot prescribes the position of the hand only",
+    };
+    let start = match w.start_rule {
+        StartRule::Sampled => "start postures drawn from the person's own",
+        StartRule::Mean => "start posture: the person's mean, moved on to the start pose",
+        StartRule::Given(_) => "start posture as given, moved on to the start pose",
+    };
+    let robot = &scenario.robot;
+    let mut robot_lines = vec![robot.name.clone()];
+    robot_lines.extend(robot.assumed().into_iter().map(|a| format!("assumed: {a}")));
+    robot_lines.extend(robot.notes.iter().cloned());
+    Setting {
+        name: scenario.name.clone(),
+        description: scenario.description.clone(),
+        bodies: w
+            .bodies
+            .iter()
+            .map(|b| {
+                format!(
+                    "{}: {}, stature {} m, {} kg",
+                    b.name, b.size.sex, b.size.stature_m, b.size.mass_kg
+                )
+            })
+            .collect(),
+        worker: vec![
+            format!("{} hand on the robot, {stance}", w.side.prefix().to_lowercase()),
+            format!(
+                "pelvis above ({}, {}) m, facing {:.0} deg",
+                w.at_m[0],
+                w.at_m[1],
+                w.facing.to_degrees()
+            ),
+            hold.to_owned(),
+            start.to_owned(),
+        ],
+        robot: robot_lines,
+        assumed_limits: scenario.assumed_limits.clone(),
+        task: scenario.task.clone(),
+        duration_s: scenario.duration_s,
+        facing: [w.facing.cos(), w.facing.sin()],
+        obstacles: scenario.obstacles.iter().map(bounds).collect(),
+    }
+}
+
+/// An axis-aligned box around an obstacle.
+fn bounds((name, obstacle): &(String, Obstacle)) -> (String, [f64; 3], [f64; 3]) {
+    let around = |center: nalgebra::Vector3<f64>, half: nalgebra::Vector3<f64>| {
+        ((center - half).into(), (center + half).into())
+    };
+    let turned = |pose: &crate::math::Pose, half: nalgebra::Vector3<f64>| {
+        pose.rotation.to_rotation_matrix().matrix().abs() * half
+    };
+    let (low, high) = match obstacle {
+        Obstacle::Box { pose, size } => around(pose.translation.vector, turned(pose, size * 0.5)),
+        Obstacle::Sphere { center, radius } => around(*center, nalgebra::Vector3::repeat(*radius)),
+        Obstacle::Capsule { a, b, radius } => {
+            around((a + b) * 0.5, (a - b).abs() * 0.5 + nalgebra::Vector3::repeat(*radius))
+        }
+        Obstacle::Cylinder { pose, radius, length } => around(
+            pose.translation.vector,
+            turned(pose, nalgebra::Vector3::new(*radius, *radius, 0.5 * length)),
+        ),
+    };
+    (name.clone(), low, high)
+}
+
+pub(super) fn model_summary(scenario: &Scenario) -> ModelSummary {
+    let model = &scenario.worker.model;
+    let group = |(name, share): (&str, f64)| (name.to_owned(), share);
+    let size = &model.size;
+    ModelSummary {
+        name: model.name.clone(),
+        method: model.method.name(),
+        simulated: model.provenance.simulated,
+        learned_on: format!(
+            "learned on body `{}` ({}, {} m, {} kg), applied to {}",
+            model.provenance.body.0,
+            size.sex,
+            size.stature_m,
+            size.mass_kg,
+            scenario.worker.bodies.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
+        ),
+        weight_by_group: model.weight_by_group().into_iter().map(group).collect(),
+        quality: model.quality.clone(),
+        notes: model.provenance.notes.clone(),
+    }
+}
+
+pub(super) fn not_modelled(scenario: &Scenario) -> Vec<String> {
+    let mut all = vec![
+        "the pelvis stays where it is; stepping and bending of the legs are not predicted".to_owned(),
+        "forces: only the load in kilograms enters the scores, no dynamics of body or robot".to_owned(),
+        "clearance between robot and person, and self-collision of the robot".to_owned(),
+        "fatigue and recovery over a shift; scores are per frame of one movement".to_owned(),
+        "safety: nothing here certifies conformity with ISO 10218, ISO/TS 15066 or any other standard".to_owned(),
+        "a drawn via-point path with a pause: all movements here run from rest to rest in one go".to_owned(),
+    ];
+    if scenario.worker.other_arm == OtherArm::Unknown {
+        all.push("the other arm: unknown, not scored".to_owned());
+    }
+    all
+}

@@ -1,0 +1,254 @@
+//! From a candidate to a path that may be walked: QP, robot, obstacles; or the reason why not.
+
+use super::preset::Preset;
+use super::result::{PathData, Status};
+use crate::math::Pose;
+use crate::path::{
+    Candidate, Check, Family, Projection, ProjectionSettings, Verification, project,
+    reference_path, verify, verify_samples,
+};
+use crate::robot::{
+    Follow, FollowSettings, RobotMotion, Starts, check_joint_path, follow_from, min_clearance,
+    start_postures,
+};
+use crate::scenario::{Scenario, UserPath};
+use crate::trajectory::TimedPath;
+
+/// Distance to obstacles below which a path is refused, m.
+const SMALLEST_CLEARANCE_M: f64 = 0.0;
+
+/// A path with everything that does not depend on people.
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    pub id: String,
+    pub family: Family,
+    pub vias_m: Vec<[f64; 3]>,
+    pub status: Status,
+    /// TCP in the world on the uniform grid; none when refused before that.
+    pub path: Option<TimedPath>,
+    pub checks: Vec<Check>,
+    pub robot: Option<RobotMotion>,
+    pub clearance: Option<(f64, String)>,
+    pub moved_m: f64,
+    /// Given by the user: kept and marked rather than refused.
+    pub is_users: bool,
+}
+
+/// What all candidates of a scenario share.
+pub(super) struct Workshop<'a> {
+    scenario: &'a Scenario,
+    preset: &'a Preset,
+    follow: FollowSettings,
+    robot_starts: Starts,
+}
+
+impl<'a> Workshop<'a> {
+    pub(super) fn new(scenario: &'a Scenario, preset: &'a Preset, seed: u64) -> Self {
+        let follow = FollowSettings { seed, ..FollowSettings::default() };
+        let robot_starts = start_postures(&scenario.robot, &scenario.start, &follow);
+        Self { scenario, preset, follow, robot_starts }
+    }
+
+    /// A planned candidate: projected to feasibility, or refused with the reason.
+    pub(super) fn candidate(&self, candidate: &Candidate) -> Prepared {
+        let mut prepared = Prepared {
+            id: candidate.id.clone(),
+            family: candidate.family,
+            vias_m: candidate.vias.iter().map(|v| (*v).into()).collect(),
+            status: Status::Feasible,
+            path: None,
+            checks: Vec::new(),
+            robot: None,
+            clearance: None,
+            moved_m: 0.0,
+            is_users: false,
+        };
+        let s = self.scenario;
+        let reference =
+            reference_path(candidate, &s.start, &s.goal, s.duration_s, self.preset.steps);
+        let settings = ProjectionSettings { steps: self.preset.steps, ..Default::default() };
+        let projection = match reference {
+            Ok(reference) => project(&reference, &s.limits, &settings),
+            Err(e) => return prepared.refused("path", e.to_string()),
+        };
+        let smooth = match projection {
+            Projection::Feasible { path, moved_m, .. } => {
+                prepared.moved_m = moved_m;
+                path
+            }
+            Projection::Infeasible { reason, .. } => return prepared.refused("path", reason),
+        };
+        let verification = verify(&smooth, &s.limits);
+        let fault = verification.violations().next().map(Check::sentence);
+        prepared.checks = verification.checks;
+        if let Some(sentence) = fault {
+            return prepared.refused("path", sentence);
+        }
+        match smooth.timed(self.preset.steps) {
+            Ok(path) => self.with_robot(prepared, path),
+            Err(e) => prepared.refused("path", e.to_string()),
+        }
+    }
+
+    fn with_robot(&self, mut prepared: Prepared, path: TimedPath) -> Prepared {
+        let robot = &self.scenario.robot;
+        let starts = &self.robot_starts.postures;
+        // Few starts first: most paths need no more, and tracking is the cost.
+        let few = starts.len().min(2);
+        let first = follow_from(robot, &path.time_s, &path.poses, &starts[..few], &self.follow);
+        let follow = match first {
+            Follow::Infeasible { .. } if starts.len() > few || starts.is_empty() => {
+                follow_from(robot, &path.time_s, &path.poses, starts, &self.follow)
+            }
+            done => done,
+        };
+        match follow {
+            Follow::Feasible(motion) => {
+                prepared.clearance = self.clearance(&motion);
+                prepared.robot = Some(motion);
+                prepared.path = Some(path);
+            }
+            Follow::Infeasible { reason, .. } => {
+                prepared.path = Some(path);
+                return prepared.refused("robot", reason);
+            }
+        }
+        match prepared.clearance.clone() {
+            Some((distance, what)) if distance <= SMALLEST_CLEARANCE_M => prepared
+                .refused("obstacle", format!("{what}: {:.0} mm deep or touching", -1e3 * distance)),
+            _ => prepared,
+        }
+    }
+
+    fn clearance(&self, motion: &RobotMotion) -> Option<(f64, String)> {
+        let found = motion
+            .q
+            .iter()
+            .filter_map(|q| min_clearance(&self.scenario.robot, q, &self.scenario.obstacles))
+            .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))?;
+        Some((found.distance_m, format!("link `{}` and obstacle `{}`", found.link, found.obstacle)))
+    }
+
+    /// The user's own path: as it is, marked where it breaks a limit, never repaired.
+    pub(super) fn users(&self, user: &UserPath) -> Prepared {
+        let s = self.scenario;
+        let Verification { checks } = verify_samples(&user.path, &s.limits);
+        let mut violations: Vec<String> =
+            checks.iter().filter(|c| !c.is_met()).map(Check::sentence).collect();
+        let mut prepared = Prepared {
+            id: user.name.clone(),
+            family: Family::Drawn,
+            vias_m: Vec::new(),
+            status: Status::Feasible,
+            path: None,
+            checks,
+            robot: None,
+            clearance: None,
+            moved_m: 0.0,
+            is_users: true,
+        };
+        let step = s.duration_s / self.preset.steps as f64;
+        // A whole number of steps over the path's own duration.
+        let count = (user.path.duration_s() / step).round().max(1.0);
+        let path = match user.path.resample(user.path.duration_s() / count) {
+            Ok(path) => path,
+            Err(e) => return prepared.refused("path", e.to_string()),
+        };
+        match &user.joints {
+            Some(q) => match check_joint_path(&s.robot, &user.path.time_s, q) {
+                Ok(check) => {
+                    violations.extend(check.violations.iter().map(ToString::to_string));
+                    prepared.clearance = self.clearance(&check.motion);
+                    prepared.robot = Some(check.motion);
+                }
+                Err(e) => violations.push(e.to_string()),
+            },
+            None => match self.follow_users(&path) {
+                Follow::Feasible(motion) => {
+                    prepared.clearance = self.clearance(&motion);
+                    prepared.robot = Some(motion);
+                }
+                Follow::Infeasible { reason, .. } => violations.push(reason),
+            },
+        }
+        if let Some((distance, what)) = &prepared.clearance
+            && *distance <= SMALLEST_CLEARANCE_M
+        {
+            violations.push(format!("{what} touch"));
+        }
+        prepared.path = Some(path);
+        if !violations.is_empty() {
+            prepared.status = Status::Marked { violations };
+        }
+        prepared
+    }
+
+    fn follow_users(&self, path: &TimedPath) -> Follow {
+        let robot = &self.scenario.robot;
+        let starts = start_postures(robot, &path.poses[0], &self.follow);
+        follow_from(robot, &path.time_s, &path.poses, &starts.postures, &self.follow)
+    }
+}
+
+impl Prepared {
+    fn refused(mut self, stage: &str, reason: String) -> Self {
+        self.status = Status::Infeasible { stage: stage.to_owned(), reason };
+        self
+    }
+
+    /// Whether people may be sent along it.
+    pub(super) fn is_walkable(&self) -> bool {
+        self.path.is_some() && !matches!(self.status, Status::Infeasible { .. })
+    }
+
+    /// As data for the result, with the robot's joints at the path's times.
+    pub(super) fn data(&self, scenario: &Scenario) -> Option<PathData> {
+        let path = self.path.as_ref()?;
+        let q = self.robot.as_ref().map(|m| m.q.clone()).filter(|q| q.len() == path.time_s.len());
+        Some(PathData {
+            time_s: path.time_s.clone(),
+            tcp: path.poses.iter().map(seven).collect(),
+            robot_joints: scenario.robot.joint_names().map(str::to_owned).collect(),
+            robot_q: q.unwrap_or_default(),
+            checks: self.checks.clone(),
+            robot_checks: self.robot.as_ref().map(robot_sentences).unwrap_or_default(),
+            clearance: self.clearance.clone(),
+            moved_m: self.moved_m,
+        })
+    }
+}
+
+fn seven(pose: &Pose) -> [f64; 7] {
+    let (p, q) = (pose.translation.vector, pose.rotation);
+    // One sign for each orientation, so that equal paths give equal bytes.
+    let s = if q.w < 0.0 { -1.0 } else { 1.0 };
+    [p.x, p.y, p.z, s * q.w, s * q.i, s * q.j, s * q.k]
+}
+
+fn robot_sentences(motion: &RobotMotion) -> Vec<String> {
+    let (v, a, m) = (&motion.qd_share, &motion.qdd_share, &motion.position_margin);
+    vec![
+        format!(
+            "joint speed: at most {:.0} % of its limit ({} at {:.2} s)",
+            100.0 * v.value,
+            v.joint,
+            v.time_s
+        ),
+        format!(
+            "joint acceleration: at most {:.0} % of its limit ({} at {:.2} s)",
+            100.0 * a.value,
+            a.joint,
+            a.time_s
+        ),
+        format!(
+            "joint range: {:.1} deg left ({} at {:.2} s)",
+            m.value.to_degrees(),
+            m.joint,
+            m.time_s
+        ),
+        format!(
+            "smallest singular value {:.3} (rotation scaled by 0.3 m)",
+            motion.min_singular_value
+        ),
+    ]
+}
