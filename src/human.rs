@@ -20,4 +20,4 @@ pub use body::{Body, PRESETS, Stance};
 pub use generate::{BodyFiles, generate};
 pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use proportions::{BodySize, Sex};
-pub use skeleton::{PosedSkeleton, Side, Skeleton, bones};
+pub use skeleton::{PosedSkeleton, Segment, Side, Skeleton, bones};

@@ -7,6 +7,7 @@ use crate::planner::{self, Evaluated, PlanError, Request, RunResult, Status, loa
 use crate::report;
 use crate::scenario::{Scenario, read_scenario, read_user_path};
 use comfy_table::{Cell, CellAlignment, Table, presets};
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,7 +25,7 @@ pub(super) struct PlanArgs {
 pub(super) struct AssessArgs {
     /// Scenario file (TOML).
     scenario: PathBuf,
-    /// A path to score: CSV with time_s and the TCP's poses or the robot's joints. May be repeated.
+    /// A path to score: CSV of times with the TCP's poses or the robot's joints. May be repeated.
     #[arg(long, value_name = "FILE.csv")]
     path: Vec<PathBuf>,
     #[command(flatten)]
@@ -94,7 +95,8 @@ fn run(
         eprintln!("warning: {warning}");
     }
     let seed = common.seed.unwrap_or(scenario.seed);
-    let request = Request { command: canonical(verb, scenario, common, seed), seed, preset };
+    let command = canonical(verb, scenario, &common.planner, seed);
+    let request = Request { command, seed, preset };
     let result = with_threads(common.threads, || {
         let progress = Progress::new();
         planner(scenario, &request, &|stage, done, total| progress.tell(stage, done, total))
@@ -158,12 +160,12 @@ pub(super) fn failure(error: PlanError) -> Failure {
 }
 
 /// The command without what does not change the result.
-fn canonical(verb: &str, scenario: &Scenario, common: &Common, seed: u64) -> String {
-    let planner = Path::new(&common.planner).file_name().unwrap_or_default().to_string_lossy();
+pub(super) fn canonical(verb: &str, scenario: &Scenario, planner: &str, seed: u64) -> String {
+    let planner = Path::new(planner).file_name().unwrap_or_default().to_string_lossy();
     let mut command = format!("ergopath {verb} {}", scenario.file);
     if verb == "assess" {
         for path in &scenario.paths {
-            command.push_str(&format!(" --path {}.csv", path.name));
+            let _ = write!(command, " --path {}.csv", path.name);
         }
     }
     format!("{command} --seed {seed} --planner {planner}")

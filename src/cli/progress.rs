@@ -48,6 +48,11 @@ impl Progress {
                 bar.1.finish_and_clear();
             }
         }
-        !INTERRUPTED.load(Ordering::Relaxed)
+        !Self::is_interrupted()
+    }
+
+    /// Whether Ctrl-C was pressed.
+    pub(super) fn is_interrupted() -> bool {
+        INTERRUPTED.load(Ordering::Relaxed)
     }
 }

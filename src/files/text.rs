@@ -32,7 +32,7 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 pub fn parse_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, InputError> {
     toml::from_str(text).map_err(|e| {
         let message = e.message().to_owned();
-        let mut error = InputError::new(path, first_line(&message));
+        let mut error = InputError::new(path, shortened(&message));
         if let Some(help) = help_for(&message) {
             error = error.remedy(help);
         }
@@ -43,8 +43,10 @@ pub fn parse_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Inp
     })
 }
 
-fn first_line(message: &str) -> String {
-    message.lines().next().unwrap_or_default().to_owned()
+/// The first line, without the list of all known keys (the remedy names the nearest).
+fn shortened(message: &str) -> String {
+    let line = message.lines().next().unwrap_or_default();
+    line.split(", expected one of").next().unwrap_or_default().to_owned()
 }
 
 /// For serde's "unknown field `x`, expected one of `a`, `b`": the nearest of them.

@@ -55,6 +55,10 @@ pub struct Skeleton {
     names: Vec<String>,
 }
 
+/// A segment of one skeleton; the pelvis for a name that it does not have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Segment(Option<usize>);
+
 /// Segment poses of one posture, in the pelvis frame.
 #[derive(Debug, Clone)]
 pub struct PosedSkeleton<'a> {
@@ -63,8 +67,8 @@ pub struct PosedSkeleton<'a> {
 }
 
 impl Skeleton {
-    /// The skeleton for a coupled side.
-    pub fn new(body: &Body, side: Side) -> Result<Self, InputError> {
+    /// The skeleton for a coupled side; `with_legs` for drawings, without for scores.
+    pub fn new(body: &Body, side: Side, with_legs: bool) -> Result<Self, InputError> {
         let sides = [side, side.other()];
         let limb = |parts: &[&str], s: Side| -> Vec<String> {
             parts.iter().map(|p| format!("{}{p}", s.prefix())).collect()
@@ -74,7 +78,9 @@ impl Skeleton {
         names.extend(TRUNK.iter().map(|&s| s.to_owned()));
         for s in sides {
             names.extend(limb(ARM, s));
-            names.extend(limb(LEG, s));
+            if with_legs {
+                names.extend(limb(LEG, s));
+            }
         }
         let tips: Vec<Tip> = names.iter().map(|n| Tip::link(n)).collect();
         let linkage = Linkage::new(&body.model, "Pelvis", &tips)
@@ -92,6 +98,11 @@ impl Skeleton {
         self.linkage.joints().iter().position(|j| j.name == joint)
     }
 
+    /// The segment of a name.
+    pub fn segment(&self, name: &str) -> Segment {
+        Segment(self.names.iter().position(|n| n == name))
+    }
+
     /// Poses all segments; `q` holds all columns (rad), the coupled chain first.
     pub fn pose(&self, q: &[f64]) -> PosedSkeleton<'_> {
         let mut frames = Frames::default();
@@ -102,10 +113,14 @@ impl Skeleton {
 }
 
 impl PosedSkeleton<'_> {
+    /// Pose of a segment's frame in the pelvis frame, by [`Skeleton::segment`].
+    pub fn at(&self, segment: Segment) -> Pose {
+        segment.0.map_or_else(Pose::identity, |i| self.poses[i])
+    }
+
     /// Pose of a segment's frame in the pelvis frame; identity for `Pelvis` and unknown names.
     pub fn segment(&self, name: &str) -> Pose {
-        let at = self.skeleton.names.iter().position(|n| n == name);
-        at.map_or_else(Pose::identity, |i| self.poses[i])
+        self.at(self.skeleton.segment(name))
     }
 }
 

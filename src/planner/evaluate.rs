@@ -258,7 +258,7 @@ fn distribution(scores: &[Vec<u8>], dt: f64, worst: u8) -> Option<ScoreDistribut
     score_distribution(scores, dt, worst, P_AT_LEAST_S)
 }
 
-/// S_r: the time mean of each rollout.
+/// The time mean of each rollout.
 fn time_means(scores: &[Vec<u8>]) -> Vec<f64> {
     let one = |s: &Vec<u8>| s.iter().map(|v| f64::from(*v)).sum::<f64>() / s.len() as f64;
     scores.iter().map(one).collect()

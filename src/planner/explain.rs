@@ -172,111 +172,121 @@ pub(super) fn inputs(
     lens: &Lens,
     walks: Option<&[Walks]>,
 ) -> Vec<InputOrigin> {
-    let task = &scenario.task;
-    let worker = &scenario.worker;
     // The change for the body that is listed first.
     let now = walks.and_then(|w| w.first()).map(|w| (w, w.expected(lens)));
-    let changed = |to: &str, change: &dyn Fn(&mut Lens)| -> Option<IfChanged> {
-        let (walks, (rula, reba)) = now.as_ref()?;
-        let mut other = lens.clone();
+    let look = Look { lens, now };
+    let mut all = posture_inputs(scenario, &look);
+    all.extend(task_inputs(scenario, &look));
+    all
+}
+
+/// The best path's walks, to be scored under other assumptions.
+struct Look<'a> {
+    lens: &'a Lens,
+    now: Option<(&'a Walks, (f64, f64))>,
+}
+
+impl Look<'_> {
+    fn changed(&self, to: &str, change: impl Fn(&mut Lens)) -> Option<IfChanged> {
+        let (walks, (rula, reba)) = self.now.as_ref()?;
+        let mut other = self.lens.clone();
         change(&mut other);
         let (r, b) = walks.expected(&other);
         Some(IfChanged { to: to.to_owned(), rula: r - rula, reba: b - reba })
-    };
-    let input = |input: &str, origin: Origin, value: String, if_changed: Option<IfChanged>| {
-        InputOrigin { input: input.to_owned(), origin, value, if_changed }
-    };
-    let given = |given: bool| if given { Origin::FromTheTask } else { Origin::Assumed };
-    let more_load = [2.1, 5.0, 10.1].into_iter().find(|l| *l > task.load_kg);
-    let (other_neck, other_name) = match worker.neck {
-        NeckRule::Neutral => (NeckRule::Gaze, "turned to the hand"),
-        NeckRule::Gaze => (NeckRule::Neutral, "in line with the trunk"),
-    };
+    }
+}
+
+fn input(name: &str, origin: Origin, value: &str, if_changed: Option<IfChanged>) -> InputOrigin {
+    InputOrigin { input: name.to_owned(), origin, value: value.to_owned(), if_changed }
+}
+
+fn given(given: bool) -> Origin {
+    if given { Origin::FromTheTask } else { Origin::Assumed }
+}
+
+fn posture_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
+    let worker = &scenario.worker;
     let side = worker.side.prefix().to_lowercase();
-    let seated = matches!(worker.stance, Stance::Seated { .. });
+    let neck = |rule| match rule {
+        NeckRule::Neutral => "in line with the trunk",
+        NeckRule::Gaze => "turned to the hand",
+    };
+    let other_neck = match worker.neck {
+        NeckRule::Neutral => NeckRule::Gaze,
+        NeckRule::Gaze => NeckRule::Neutral,
+    };
+    let (arm_origin, arm) = match worker.other_arm {
+        OtherArm::Unknown => (Origin::Unknown, "not scored"),
+        OtherArm::Hanging => (Origin::FromTheTask, "hanging"),
+    };
+    let legs = match worker.stance {
+        Stance::Seated { .. } => "seated, feet supported",
+        Stance::Standing { .. } => "standing, weight on both, knees straight",
+    };
+    let other_neck_name = neck(other_neck);
     vec![
-        input(
-            &format!("{side} arm, girdle, trunk"),
-            Origin::Predicted,
-            "posture model".into(),
-            None,
-        ),
-        input(
-            "other arm",
-            if worker.other_arm == OtherArm::Unknown {
-                Origin::Unknown
-            } else {
-                Origin::FromTheTask
-            },
-            match worker.other_arm {
-                OtherArm::Unknown => "not scored".into(),
-                OtherArm::Hanging => "hanging".into(),
-            },
-            None,
-        ),
+        input(&format!("{side} arm, girdle, trunk"), Origin::Predicted, "posture model", None),
+        input("other arm", arm_origin, arm, None),
         input(
             "neck",
             Origin::Assumed,
-            if worker.neck == NeckRule::Neutral {
-                "in line with the trunk"
-            } else {
-                "turned to the hand"
-            }
-            .into(),
-            changed(other_name, &|l| l.neck = other_neck),
-        ),
-        input(
-            "load",
-            task.load_origin,
-            format!(
-                "{:.2} kg (part {} kg x share {}, plus {} kg)",
-                task.load_kg, task.part_mass_kg, task.human_load_share, task.extra_load_kg
-            ),
-            more_load.and_then(|l| changed(&format!("{l} kg"), &|x| x.task.load_kg = l)),
-        ),
-        input("share of the load", task.share_origin, format!("{}", task.human_load_share), None),
-        input(
-            "muscle use",
-            task.muscle_origin(),
-            if task.is_repeated() || task.is_static() {
-                "repeated or static"
-            } else {
-                "neither repeated nor static"
-            }
-            .into(),
-            if task.muscle_origin() == Origin::Assumed {
-                changed("repeated over 4 a minute", &|l| {
-                    l.task.repeated_gt_4min = true;
-                    l.task.load_static_or_repeated = true;
-                })
-            } else {
-                None
-            },
-        ),
-        input(
-            "coupling (REBA)",
-            task.coupling_origin,
-            ["good", "fair", "poor", "unacceptable"][usize::from(task.coupling.min(3))].into(),
-            changed("one class worse", &|l| l.task.coupling = (l.task.coupling + 1).min(3)),
+            neck(worker.neck),
+            look.changed(other_neck_name, |l| l.neck = other_neck),
         ),
         input(
             "legs",
             Origin::Assumed,
-            if seated {
-                "seated, feet supported"
-            } else {
-                "standing, weight on both, knees straight"
-            }
-            .into(),
-            changed("weight on one leg", &|l| l.task.legs_unbalanced = true),
+            legs,
+            look.changed("weight on one leg", |l| l.task.legs_unbalanced = true),
         ),
         input(
             "support of the arm",
             given(worker.arm_supported),
-            if worker.arm_supported { "supported" } else { "none" }.into(),
+            if worker.arm_supported { "supported" } else { "none" },
             None,
         ),
-        input("shock", given(task.shock), if task.shock { "yes" } else { "none" }.into(), None),
+    ]
+}
+
+fn task_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
+    let task = &scenario.task;
+    let load = format!(
+        "{:.2} kg (part {} kg x share {}, plus {} kg)",
+        task.load_kg, task.part_mass_kg, task.human_load_share, task.extra_load_kg
+    );
+    // Just into the next class of RULA (2 kg) or REBA (5 and 10 kg).
+    let more_load = [2.1, 5.0, 10.1].into_iter().find(|l| *l > task.load_kg);
+    let is_used = task.is_repeated() || task.is_static();
+    let is_open = task.muscle_origin() == Origin::Assumed;
+    let coupling = ["good", "fair", "poor", "unacceptable"][usize::from(task.coupling.min(3))];
+    vec![
+        input(
+            "load",
+            task.load_origin,
+            &load,
+            more_load.and_then(|l| look.changed(&format!("{l} kg"), |x| x.task.load_kg = l)),
+        ),
+        input("share of the load", task.share_origin, &task.human_load_share.to_string(), None),
+        input(
+            "muscle use",
+            task.muscle_origin(),
+            if is_used { "repeated or static" } else { "neither repeated nor static" },
+            is_open
+                .then(|| {
+                    look.changed("repeated over 4 a minute", |l| {
+                        l.task.repeated_gt_4min = true;
+                        l.task.load_static_or_repeated = true;
+                    })
+                })
+                .flatten(),
+        ),
+        input(
+            "coupling (REBA)",
+            task.coupling_origin,
+            coupling,
+            look.changed("one class worse", |l| l.task.coupling = (l.task.coupling + 1).min(3)),
+        ),
+        input("shock", given(task.shock), if task.shock { "yes" } else { "none" }, None),
     ]
 }
 

@@ -108,8 +108,15 @@ fn run(
     let searched = counted(stage, "searching", &walkable, |&i| {
         evaluator.scores(&prepared[i], SEARCH_BLOCK, preset.rollouts_search)
     })?;
-    let mut order: Vec<(usize, f64)> =
-        walkable.iter().zip(&searched).map(|(&i, s)| (i, objective(preset, s))).collect();
+    for (&i, scores) in walkable.iter().zip(&searched) {
+        prepared[i].refuse_if_nobody_reaches(scores);
+    }
+    let mut order: Vec<(usize, f64)> = walkable
+        .iter()
+        .zip(&searched)
+        .filter(|(i, _)| prepared[**i].is_walkable())
+        .map(|(&i, s)| (i, objective(preset, s)))
+        .collect();
     order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
 
     // Selection: the shortlist, the straight path and the user's own, on fresh people.
@@ -149,14 +156,14 @@ fn run(
     let rest = order.iter().filter(|(i, _)| !finalists.contains(i));
     for ((i, value), rank) in rest.zip(results.len() + 1..) {
         let at = walkable.iter().position(|w| w == i).unwrap_or_default();
-        let mut result = evaluator.bare(&prepared[*i], Evaluated::Search);
+        let mut result = bare(&prepared[*i], Evaluated::Search);
         result.bodies.clone_from(&searched[at]);
         result.rank = Some(rank);
         result.objective = Some(*value);
         results.push(result);
     }
     for p in prepared.iter().filter(|p| !p.is_walkable()) {
-        results.push(evaluator.bare(p, Evaluated::None));
+        results.push(bare(p, Evaluated::None));
     }
     Ok(assemble(scenario, request, &lens, results, best_walks.as_deref()))
 }
@@ -218,7 +225,7 @@ impl Evaluator<'_> {
     }
 
     fn report(&self, prepared: &Prepared, count: usize) -> (CandidateResult, Vec<Walks>) {
-        let mut result = self.bare(prepared, Evaluated::Reported);
+        let mut result = bare(prepared, Evaluated::Reported);
         let mut all = Vec::new();
         if let Some(path) = &prepared.path {
             result.path = prepared.data(self.scenario);
@@ -233,20 +240,21 @@ impl Evaluator<'_> {
         }
         (result, all)
     }
+}
 
-    fn bare(&self, prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
-        CandidateResult {
-            rank: None,
-            id: prepared.id.clone(),
-            family: prepared.family,
-            status: prepared.status.clone(),
-            evaluated,
-            vias_m: prepared.vias_m.clone(),
-            objective: None,
-            bodies: Vec::new(),
-            path: None,
-            poses: Vec::new(),
-        }
+/// A path without scores.
+fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
+    CandidateResult {
+        rank: None,
+        id: prepared.id.clone(),
+        family: prepared.family,
+        status: prepared.status.clone(),
+        evaluated,
+        vias_m: prepared.vias_m.clone(),
+        objective: None,
+        bodies: Vec::new(),
+        path: None,
+        poses: Vec::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! From a candidate to a path that may be walked: QP, robot, obstacles; or the reason why not.
 
 use super::preset::Preset;
-use super::result::{PathData, Status};
+use super::result::{BodyScores, PathData, Status};
 use crate::math::Pose;
 use crate::path::{
     Candidate, Check, Family, Projection, ProjectionSettings, Verification, project,
@@ -194,6 +194,22 @@ impl Prepared {
     fn refused(mut self, stage: &str, reason: String) -> Self {
         self.status = Status::Infeasible { stage: stage.to_owned(), reason };
         self
+    }
+
+    /// A path that nobody of some body size can follow to the end is no path; the user's own is only
+    /// marked.
+    pub(super) fn refuse_if_nobody_reaches(&mut self, bodies: &[BodyScores]) {
+        let Some(lost) = bodies.iter().find(|b| b.reach_exceeded >= 1.0) else { return };
+        let reason = format!(
+            "body `{}` cannot follow: the reach is exceeded from {:.2} s on in every rollout",
+            lost.body,
+            lost.reach_exceeded_from_s.unwrap_or(0.0)
+        );
+        match &mut self.status {
+            Status::Marked { violations } => violations.push(reason),
+            status if self.is_users => *status = Status::Marked { violations: vec![reason] },
+            status => *status = Status::Infeasible { stage: "worker".to_owned(), reason },
+        }
     }
 
     /// Whether people may be sent along it.

@@ -105,7 +105,7 @@ pub enum Status {
     },
     /// It cannot be used.
     Infeasible {
-        /// "path", "robot" or "obstacle".
+        /// "path", "robot", "obstacle" or "worker".
         stage: String,
         /// Why, in one sentence.
         reason: String,

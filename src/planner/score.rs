@@ -6,7 +6,7 @@ use crate::ergonomics::{
     Worksheet, arm_angles, reba, rula, trunk_neck_angles, worksheet,
 };
 use crate::files::InputError;
-use crate::human::{Body, PosedSkeleton, Side, Skeleton};
+use crate::human::{Body, PosedSkeleton, Segment, Side, Skeleton};
 use crate::math::{Pose, Rotation, Vec3};
 use crate::scenario::{NeckRule, Scenario};
 use nalgebra::DVector;
@@ -88,60 +88,104 @@ impl PostureAngles {
 /// Poses a body in the world and measures it.
 #[derive(Debug, Clone)]
 pub(super) struct Surveyor {
-    skeleton: Skeleton,
+    /// Trunk, head and arms, for scores.
+    upper: Measured,
+    /// All segments, for drawings.
+    whole: Skeleton,
     pelvis: Pose,
     side: Side,
-    /// Columns of the other forearm's pronation: hanging mid-prone.
-    other_pronation: Option<usize>,
+}
+
+/// The segments that scores need, found once.
+#[derive(Debug, Clone)]
+struct Measured {
+    skeleton: Skeleton,
+    l5: Segment,
+    t8: Segment,
+    neck: Segment,
+    head: Segment,
+    grip: Segment,
+    arms: [ArmSegments; 2],
+}
+
+#[derive(Debug, Clone, Copy)]
+struct ArmSegments {
+    side: Side,
+    girdle: Segment,
+    upper: Segment,
+    fore: Segment,
+    hand: Segment,
+}
+
+impl Measured {
+    fn new(body: &Body, side: Side) -> Result<Self, InputError> {
+        let skeleton = Skeleton::new(body, side, false)?;
+        let arms = [side, side.other()].map(|side| {
+            let of = |part: &str| skeleton.segment(&format!("{}{part}", side.prefix()));
+            ArmSegments {
+                side,
+                girdle: of("Shoulder"),
+                upper: of("UpperArm"),
+                fore: of("ForeArm"),
+                hand: of("Hand"),
+            }
+        });
+        let of = |name: &str| skeleton.segment(name);
+        let (l5, t8, neck, head) = (of("L5"), of("T8"), of("Neck"), of("Head"));
+        let grip = of(side.grip());
+        Ok(Self { l5, t8, neck, head, grip, arms, skeleton })
+    }
+}
+
+/// All joint angles of a skeleton: the coupled chain as given, the other arm hanging with the thumb
+/// forward, the rest at zero.
+fn whole_posture(skeleton: &Skeleton, side: Side, q: &DVector<f64>) -> Vec<f64> {
+    let mut all = vec![0.0; skeleton.dof()];
+    all[..q.len()].copy_from_slice(q.as_slice());
+    let (pronation, sign) = match side {
+        Side::Right => ("jLeftElbow_Y", -1.0),
+        Side::Left => ("jRightElbow_Y", 1.0),
+    };
+    if let Some(c) = skeleton.column(pronation) {
+        all[c] = sign * std::f64::consts::FRAC_PI_2;
+    }
+    all
 }
 
 impl Surveyor {
     pub(super) fn new(body: &Body, side: Side, pelvis: Pose) -> Result<Self, InputError> {
-        let skeleton = Skeleton::new(body, side)?;
-        let name = format!("j{}Elbow_Y", side.other().prefix());
-        let other_pronation = skeleton.column(&name);
-        Ok(Self { skeleton, pelvis, side, other_pronation })
-    }
-
-    /// All joint angles of the body: the coupled chain as given, the rest at rest.
-    fn whole(&self, q: &DVector<f64>) -> Vec<f64> {
-        let mut all = vec![0.0; self.skeleton.dof()];
-        all[..q.len()].copy_from_slice(q.as_slice());
-        if let Some(c) = self.other_pronation {
-            let sign = if self.side == Side::Right { -1.0 } else { 1.0 };
-            all[c] = sign * std::f64::consts::FRAC_PI_2;
-        }
-        all
+        let whole = Skeleton::new(body, side, true)?;
+        Ok(Self { upper: Measured::new(body, side)?, whole, pelvis, side })
     }
 
     pub(super) fn measure(&self, q: &DVector<f64>) -> PostureAngles {
-        let posed = self.skeleton.pose(&self.whole(q));
-        let at = |name: &str| self.pelvis * posed.segment(name);
-        let thorax = at("T8");
+        let parts = &self.upper;
+        let posed = parts.skeleton.pose(&whole_posture(&parts.skeleton, self.side, q));
+        let at = |segment: Segment| self.pelvis * posed.at(segment);
+        let thorax = at(parts.t8);
         let mut body = BodyPose {
             pelvis: rotation(&self.pelvis),
             thorax: rotation(&thorax),
             head: rotation(&thorax),
-            l5s1: at("L5").translation.vector,
-            c7t1: at("Neck").translation.vector,
+            l5s1: at(parts.l5).translation.vector,
+            c7t1: at(parts.neck).translation.vector,
         };
         let neutral = trunk_neck_angles(&body);
-        let arm = self.arm(&posed, self.side, &body);
-        let other = self.arm(&posed, self.side.other(), &body);
-        let hand = at(self.side.grip()).translation.vector;
-        body.head = gaze(&thorax, &at("Head").translation.vector, &hand);
+        let [arm, other] = parts.arms.map(|a| self.arm(&posed, a, &body));
+        let (head, hand) = (at(parts.head).translation.vector, at(parts.grip).translation.vector);
+        body.head = gaze(&thorax, &head, &hand);
         PostureAngles { neutral, gaze: trunk_neck_angles(&body), arm, other }
     }
 
-    fn arm(&self, posed: &PosedSkeleton, side: Side, body: &BodyPose) -> ArmAngles {
-        let at = |part: &str| self.pelvis * posed.segment(&format!("{}{part}", side.prefix()));
-        let (girdle, upper, fore, hand) =
-            (at("Shoulder"), at("UpperArm"), at("ForeArm"), at("Hand"));
+    fn arm(&self, posed: &PosedSkeleton, segments: ArmSegments, body: &BodyPose) -> ArmAngles {
+        let at = |segment: Segment| self.pelvis * posed.at(segment);
+        let (girdle, upper) = (at(segments.girdle), at(segments.upper));
+        let (fore, hand) = (at(segments.fore), at(segments.hand));
         let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
         arm_angles(
             body,
             &ArmPose {
-                side: match side {
+                side: match segments.side {
                     Side::Right => ScoreSide::Right,
                     Side::Left => ScoreSide::Left,
                 },
@@ -161,7 +205,7 @@ impl Surveyor {
 
     /// Bones as segments in the world, for drawings.
     pub(super) fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
-        let posed = self.skeleton.pose(&self.whole(q));
+        let posed = self.whole.pose(&whole_posture(&self.whole, self.side, q));
         let at = |name: &str| -> [f64; 3] {
             (self.pelvis * posed.segment(name)).translation.vector.into()
         };

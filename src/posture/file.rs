@@ -95,7 +95,8 @@ fn check(model: &PostureModel) -> Result<(), String> {
             return Err(format!("{what} is not symmetric positive definite"));
         }
     }
-    if !(model.noise.correlation_time_s > 0.0) || !(model.noise.speed_floor_m_s >= 0.0) {
+    let (tau, floor) = (model.noise.correlation_time_s, model.noise.speed_floor_m_s);
+    if !(tau.is_finite() && tau > 0.0 && floor.is_finite() && floor >= 0.0) {
         return Err("noise times and speeds must be positive".to_owned());
     }
     Ok(())

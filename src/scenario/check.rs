@@ -150,7 +150,7 @@ impl Source<'_> {
             }
             (None, Some([w, x, y, z])) => {
                 let q = Quaternion::new(w, x, y, z);
-                if !((q.norm() - 1.0).abs() < 1e-2) {
+                if !(0.99..=1.01).contains(&q.norm()) {
                     let message = format!("{key}.quaternion_wxyz has norm {:.4}, not 1", q.norm());
                     return Err(self.plain(message).remedy("the scalar part w comes first"));
                 }
@@ -388,7 +388,7 @@ fn resolve_limits(
                     unit: &str| {
         match given {
             Some(value) => {
-                *slot = source.number(value, &format!("limits.{key}"), 1e-3, high)? * scale
+                *slot = source.number(value, &format!("limits.{key}"), 1e-3, high)? * scale;
             }
             None => assumed.push(format!("{key} = {:.4} {unit}", *slot / scale)),
         }

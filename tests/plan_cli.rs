@@ -1,0 +1,284 @@
+//! The program as its user meets it: planning, assessing, and what it refuses.
+
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+use assert_cmd::Command;
+use ergopath::human::{Body, Side};
+use ergopath::posture::{save_model, simulated_operator};
+use predicates::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A folder with a scenario that plans fast, and a made-up posture model.
+fn workplace() -> (TempDir, PathBuf) {
+    let room = tempfile::tempdir().unwrap();
+    let body = Body::load("female_p50", Path::new(".")).unwrap();
+    let model = simulated_operator(&body, Side::Right).unwrap();
+    save_model(&model, &room.path().join("operator.json")).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench_pick_and_place.toml");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let text = text.replace("\"demo_operator\"", "\"operator.json\"");
+    let planner = "schema = \"ergopath/planner/1\"\nname = \"tiny\"\nvias = 1\nnamed_offset_m = 0.1\n\
+                   sampled_offset_m = 0.1\nsamples = 3\nsteps = 30\nrollouts_search = 3\nshortlist = 2\n\
+                   rollouts_final = 6\n[objective]\nexpected_rula = 1.0\nexpected_reba = 0.0\n\
+                   cvar90_rula = 0.0\nexposure_rula_5 = 0.0\n";
+    std::fs::write(room.path().join("tiny.toml"), planner).unwrap();
+    let scenario = room.path().join("bench.toml");
+    std::fs::write(&scenario, text).unwrap();
+    (room, scenario)
+}
+
+fn ergopath() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_ergopath"))
+}
+
+fn plan(room: &TempDir, scenario: &Path, output: &str) -> Command {
+    let mut command = ergopath();
+    command.arg("plan").arg(scenario).arg("-o").arg(room.path().join(output));
+    command.arg("--planner").arg(room.path().join("tiny.toml"));
+    command
+}
+
+/// All files below a folder with their bytes.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(at) = open.pop() {
+        for entry in at.read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().display().to_string();
+                all.insert(name, std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
+    let (room, scenario) = workplace();
+    for (folder, threads) in [("one", "1"), ("two", "2"), ("again", "2")] {
+        plan(&room, &scenario, folder).args(["--threads", threads]).assert().success();
+    }
+    let one = files(&room.path().join("one"));
+    assert!(one.contains_key("result.json") && one.contains_key("report.html"));
+    assert!(one.contains_key("candidates.csv") && one.contains_key("paths/1.csv"));
+    for other in ["two", "again"] {
+        let other = files(&room.path().join(other));
+        assert!(one.keys().eq(other.keys()));
+        for (name, bytes) in &one {
+            assert!(bytes == &other[name], "{name} differs");
+        }
+    }
+    // Nothing in them depends on where or when they were made.
+    let place = room.path().display().to_string();
+    for (name, bytes) in &one {
+        let text = String::from_utf8_lossy(bytes);
+        assert!(!text.contains(&place), "{name} holds an absolute path");
+    }
+    plan(&room, &scenario, "other").args(["--seed", "9"]).assert().success();
+    assert_ne!(one["result.json"], files(&room.path().join("other"))["result.json"]);
+}
+
+#[test]
+fn numbers_hang_together() {
+    let (room, scenario) = workplace();
+    plan(&room, &scenario, "out").assert().success();
+    let text = std::fs::read_to_string(room.path().join("out/result.json")).unwrap();
+    let result: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(result["schema"], "ergopath/result/1");
+    assert_eq!(result["verdict"]["caveat"], "demonstration model, not your workers");
+    for candidate in result["candidates"].as_array().unwrap() {
+        for body in candidate["bodies"].as_array().unwrap() {
+            let rula = &body["rula"];
+            let by_rollout: Vec<f64> = body["rula_by_rollout"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|v| v.as_f64().unwrap())
+                .collect();
+            let mean = by_rollout.iter().sum::<f64>() / by_rollout.len() as f64;
+            assert!((mean - rula["expected"].as_f64().unwrap()).abs() < 1e-9);
+            // E[s] = sum over k of P[s >= k].
+            let exposure: f64 = rula["exposure"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .skip(1)
+                .map(|v| v.as_f64().unwrap())
+                .sum();
+            assert!((exposure - mean).abs() < 1e-9);
+            assert!(body["hand_residual_max_mm"].as_f64().unwrap() < 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_planned_path_can_be_assessed_and_is_found_in_order() {
+    let (room, scenario) = workplace();
+    plan(&room, &scenario, "out").assert().success();
+    let own = room.path().join("today.csv");
+    std::fs::copy(room.path().join("out/paths/1.csv"), &own).unwrap();
+    let assess = |path: &Path, folder: &str| {
+        let mut command = ergopath();
+        command.arg("assess").arg(&scenario).arg("--path").arg(path);
+        command.arg("-o").arg(room.path().join(folder));
+        command.arg("--planner").arg(room.path().join("tiny.toml"));
+        command
+    };
+    assess(&own, "assessed").assert().success().stdout(predicate::str::contains("today"));
+    let text = std::fs::read_to_string(room.path().join("assessed/result.json")).unwrap();
+    let result: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let today = |r: &serde_json::Value| -> serde_json::Value {
+        let all = r["candidates"].as_array().unwrap();
+        all.iter().find(|c| c["id"] == "today").unwrap().clone()
+    };
+    assert_eq!(today(&result)["status"]["state"], "feasible");
+
+    // Twice as fast: over the limits, scored all the same.
+    let text = std::fs::read_to_string(&own).unwrap();
+    let fast: Vec<String> = text
+        .lines()
+        .enumerate()
+        .map(|(i, line)| match line.split_once(',') {
+            Some((t, rest)) if i > 0 => format!("{},{rest}", t.parse::<f64>().unwrap() / 4.0),
+            _ => line.to_owned(),
+        })
+        .collect();
+    std::fs::write(&own, fast.join("\n")).unwrap();
+    assess(&own, "fast").assert().stdout(predicate::str::contains("breaks limits"));
+    let text = std::fs::read_to_string(room.path().join("fast/result.json")).unwrap();
+    let marked = today(&serde_json::from_str(&text).unwrap());
+    assert_eq!(marked["status"]["state"], "marked");
+    assert!(marked["bodies"][0]["rula"]["expected"].as_f64().unwrap() >= 1.0);
+}
+
+/// Replaces text in the scenario, expects refusal with these words and that nothing is written.
+fn refused(from: &str, to: &str, code: i32, words: &[&str]) {
+    let (room, scenario) = workplace();
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    assert!(text.contains(from), "{from}");
+    std::fs::write(&scenario, text.replacen(from, to, 1)).unwrap();
+    let before = files(room.path()).len();
+    let output = plan(&room, &scenario, "out").assert().code(code).get_output().clone();
+    let shown =
+        String::from_utf8(output.stderr).unwrap() + &String::from_utf8(output.stdout).unwrap();
+    // Long messages are wrapped on the screen.
+    let flat = shown.replace(['\n', '│'], " ");
+    let flat = flat.split_whitespace().collect::<Vec<_>>().join(" ");
+    for word in words {
+        assert!(flat.contains(word), "`{word}` is missing in:\n{shown}");
+    }
+    if code == 2 {
+        assert_eq!(files(room.path()).len(), before, "something was written");
+    }
+}
+
+#[test]
+fn a_misspelt_key_gets_line_caret_and_suggestion() {
+    refused(
+        "facing_deg",
+        "facing_degree",
+        2,
+        &["bench.toml:14", "unknown field", "did you mean `facing_deg`?"],
+    );
+}
+
+#[test]
+fn bad_values_are_named() {
+    refused("duration_s = 4.0", "duration_s = nan", 2, &["motion.duration_s", "NaN"]);
+    refused("[0.45, 0.25, 1.25]", "[0.45, inf, 1.25]", 2, &["goal.position_m", "metres"]);
+    refused(
+        "human_load_share = 0.3",
+        "human_load_share = 30",
+        2,
+        &["task.human_load_share", "0 to 1"],
+    );
+    refused("size_m = [0.8, 1.6, 0.72]", "size_m = [0.8, -1.6, 0.72]", 2, &["bench", "above 0"]);
+    refused("ergopath/scenario/1", "ergopath/scenario/2", 2, &["schema"]);
+}
+
+#[test]
+fn missing_things_are_named() {
+    refused("operator.json", "operater.json", 2, &["operater.json", "no such file"]);
+    refused("\"female_p50\"", "\"female_50\"", 2, &["did you mean `female_p50`?"]);
+    refused("\"panda\"", "\"pandda\"", 2, &["did you mean `panda`?"]);
+    refused("stance = \"standing\"", "stance = \"seated\"", 2, &["seat_height_m is missing"]);
+    let (room, _) = workplace();
+    plan(&room, Path::new("nowhere.toml"), "out")
+        .assert()
+        .code(2)
+        .stderr(predicate::str::contains("no such file"));
+}
+
+#[test]
+fn what_cannot_be_done_is_explained() {
+    let goal = "[0.45, 0.25, 1.25]";
+    refused(goal, "[0.45, 0.90, 1.25]", 3, &["goal outside the workspace box", "0.900 m"]);
+    refused("duration_s = 4.0", "duration_s = 1.0", 3, &["too short", "needs at least"]);
+    refused("at_m = [0.0, 0.0]", "at_m = [-1.5, 0.0]", 3, &["cannot follow", "reach is exceeded"]);
+    refused("max_m = [0.80, 0.60, 1.60]", "max_m = [2.80, 0.60, 1.60]", 0, &[]);
+}
+
+#[test]
+fn a_folder_of_somebody_else_is_left_alone() {
+    let (room, scenario) = workplace();
+    let theirs = room.path().join("thesis");
+    std::fs::create_dir(&theirs).unwrap();
+    std::fs::write(theirs.join("chapter.tex"), "x").unwrap();
+    plan(&room, &scenario, "thesis")
+        .assert()
+        .code(2)
+        .stderr(predicate::str::contains("not an ergopath output folder"));
+    assert_eq!(files(&theirs).len(), 1);
+}
+
+#[test]
+fn turning_and_moving_the_whole_cell_changes_nothing() {
+    let (room, scenario) = workplace();
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    let here = format!("{text}\n[[path]]\nname = \"drawn\"\nvia_m = [[0.42, -0.05, 1.20]]\n");
+    // A quarter turn about z, then (1, 2, 0).
+    let mut there = here.clone();
+    for (from, to) in [
+        ("at_m = [0.0, 0.0]", "at_m = [1.0, 2.0]"),
+        ("facing_deg = 0", "facing_deg = 90"),
+        ("[0.95, 0.0, 0.75], rpy_deg = [0, 0, 180]", "[1.0, 2.95, 0.75], rpy_deg = [0, 0, 270]"),
+        (
+            "[0.42, -0.35, 0.95]\nrpy_deg = [180, 0, 0]",
+            "[1.35, 2.42, 0.95]\nrpy_deg = [180, 0, 90]",
+        ),
+        ("[0.45, 0.25, 1.25]\nrpy_deg = [180, 0, 0]", "[0.75, 2.45, 1.25]\nrpy_deg = [180, 0, 90]"),
+        ("min_m = [0.25, -0.60, 0.80]", "min_m = [0.40, 2.25, 0.80]"),
+        ("max_m = [0.80, 0.60, 1.60]", "max_m = [1.60, 2.80, 1.60]"),
+        ("position_m = [0.75, 0.0, 0.36]", "position_m = [1.0, 2.75, 0.36]"),
+        ("size_m = [0.8, 1.6, 0.72]", "size_m = [1.6, 0.8, 0.72]"),
+        ("[[0.42, -0.05, 1.20]]", "[[1.05, 2.42, 1.20]]"),
+    ] {
+        assert!(there.contains(from), "{from}");
+        there = there.replacen(from, to, 1);
+    }
+    let mut scores = Vec::new();
+    for (name, text) in [("here", here), ("there", there)] {
+        std::fs::write(&scenario, text).unwrap();
+        let mut command = ergopath();
+        command.arg("assess").arg(&scenario).arg("-o").arg(room.path().join(name));
+        command.arg("--planner").arg(room.path().join("tiny.toml")).assert().success();
+        let result = std::fs::read_to_string(room.path().join(name).join("result.json")).unwrap();
+        let result: serde_json::Value = serde_json::from_str(&result).unwrap();
+        let all = result["candidates"].as_array().unwrap();
+        let drawn = all.iter().find(|c| c["id"] == "drawn").unwrap();
+        scores.push(drawn["bodies"][0]["rula_by_rollout"].clone());
+    }
+    let values = |v: &serde_json::Value| -> Vec<f64> {
+        v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    for (a, b) in values(&scores[0]).iter().zip(values(&scores[1])) {
+        // One frame of 31 may sit on a threshold and turn with the last bit.
+        assert!((a - b).abs() < 1.5 / 31.0, "{a} {b}");
+    }
+}
