@@ -14,10 +14,12 @@ mod body;
 mod generate;
 mod limits;
 mod proportions;
+mod side;
 mod skeleton;
 
 pub use body::{Body, PRESETS, Stance};
 pub use generate::{BodyFiles, generate};
 pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use proportions::{BodySize, Sex};
-pub use skeleton::{PosedSkeleton, Segment, Side, Skeleton, bones};
+pub use side::Side;
+pub use skeleton::{PosedSkeleton, Segment, Skeleton, bones};

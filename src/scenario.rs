@@ -6,15 +6,19 @@
 //! ```
 //! Owner of `scenarios/`.
 
+mod cell;
 mod check;
 mod file;
 mod paths;
+mod source;
 mod task;
+mod worker;
 
-pub use check::{Scenario, Worker};
+pub use check::Scenario;
 pub use file::{NeckRule, OtherArm, PosturePick};
 pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
+pub use worker::Worker;
 
 use crate::files::{InputError, parse_toml, read_text, sha256_hex};
 use std::path::Path;
@@ -27,6 +31,6 @@ pub fn read_scenario(path: &Path) -> Result<Scenario, InputError> {
     let text = read_text(path)?;
     let file: file::ScenarioFile = parse_toml(path, &text)?;
     let source =
-        check::Source { path, text: &text, folder: path.parent().unwrap_or(Path::new(".")) };
+        source::Source { path, text: &text, folder: path.parent().unwrap_or(Path::new(".")) };
     check::resolve(&source, file, sha256_hex(text.as_bytes()))
 }

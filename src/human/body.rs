@@ -3,7 +3,7 @@
 use super::generate::{BODY_SCHEMA, BodySheet, generate};
 use super::limits::{PostureLimits, SumLimit};
 use super::proportions::{BodySize, Sex};
-use super::skeleton::Side;
+use super::side::Side;
 use crate::files::{InputError, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;

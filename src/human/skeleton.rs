@@ -1,47 +1,10 @@
 //! Where the segments of a posed body are, for scores and drawings.
 
 use super::body::Body;
+use super::side::Side;
 use crate::files::InputError;
 use crate::kinematics::{Frames, Linkage, Tip};
 use crate::math::Pose;
-use serde::{Deserialize, Serialize};
-
-/// The coupled side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Side {
-    /// Right hand on the robot.
-    Right,
-    /// Left hand on the robot.
-    Left,
-}
-
-impl Side {
-    /// Name of the grip link.
-    pub fn grip(self) -> &'static str {
-        match self {
-            Self::Right => "RightGrip",
-            Self::Left => "LeftGrip",
-        }
-    }
-
-    /// "Right" or "Left", as Xsens names begin.
-    pub fn prefix(self) -> &'static str {
-        match self {
-            Self::Right => "Right",
-            Self::Left => "Left",
-        }
-    }
-
-    /// The other side.
-    #[must_use]
-    pub fn other(self) -> Self {
-        match self {
-            Self::Right => Self::Left,
-            Self::Left => Self::Right,
-        }
-    }
-}
 
 /// Links whose origins are joint centres, in the order of a drawing.
 const TRUNK: &[&str] = &["L5", "L3", "T12", "T8", "Neck", "Head"];

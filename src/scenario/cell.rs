@@ -1,0 +1,154 @@
+//! Robot, grip, limits and obstacles of the cell.
+
+use super::file::{GripFile, LimitsFile, ObstacleFile, PoseFile, RobotFile, WorkspaceFile};
+use super::source::Source;
+use crate::files::InputError;
+use crate::math::{Pose, Vec3};
+use crate::path::{Box3, PathLimits};
+use crate::robot::{Obstacle, Robot};
+use toml::Spanned;
+
+pub(super) fn resolve_grip(source: &Source, file: &GripFile) -> Result<Pose, InputError> {
+    let pose = PoseFile {
+        position_m: file.position_m.unwrap_or_default(),
+        rpy_deg: file.rpy_deg,
+        quaternion_wxyz: file.quaternion_wxyz,
+    };
+    source.pose_of(&pose, "grip")
+}
+
+pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, InputError> {
+    let mut robot = match (&file.preset, &file.urdf) {
+        (Some(preset), None) => Robot::preset(preset)?,
+        (None, Some(urdf)) => {
+            let (Some(base), Some(tcp)) = (&file.base_link, &file.tcp) else {
+                return Err(source
+                    .plain("robot.urdf needs robot.base_link and robot.tcp")
+                    .remedy("name the first and the last link of the robot's chain"));
+            };
+            Robot::from_urdf(&source.folder.join(urdf), base, tcp)?
+        }
+        _ => {
+            return Err(source
+                .plain("robot needs either preset or urdf")
+                .remedy("for example preset = \"panda\""));
+        }
+    };
+    robot.base = source.pose(&file.base, "robot.base")?;
+    for limit in &file.limit {
+        let joint = &limit.joint;
+        if limit.lower_rad.is_some() || limit.upper_rad.is_some() {
+            let i = robot.joint_index(joint)?;
+            let lower = limit.lower_rad.unwrap_or(robot.limits.lower[i]);
+            let upper = limit.upper_rad.unwrap_or(robot.limits.upper[i]);
+            robot.set_position_limit(joint, lower, upper)?;
+        }
+        if let Some(v) = limit.velocity_rad_s {
+            robot.set_velocity_limit(joint, v)?;
+        }
+        if let Some(a) = limit.acceleration_rad_s2 {
+            robot.set_acceleration_limit(joint, a)?;
+        }
+    }
+    Ok(robot)
+}
+
+pub(super) fn resolve_limits(
+    source: &Source,
+    file: &LimitsFile,
+    workspace: Option<&Spanned<WorkspaceFile>>,
+) -> Result<(PathLimits, Vec<String>), InputError> {
+    let mut limits = PathLimits::default();
+    let mut assumed = Vec::new();
+    let mut take = |given: &Option<Spanned<f64>>,
+                    key: &str,
+                    high: f64,
+                    scale: f64,
+                    slot: &mut f64,
+                    unit: &str| {
+        match given {
+            Some(value) => {
+                *slot = source.number(value, &format!("limits.{key}"), 1e-3, high)? * scale;
+            }
+            None => assumed.push(format!("{key} = {:.4} {unit}", *slot / scale)),
+        }
+        Ok::<(), InputError>(())
+    };
+    let rad = std::f64::consts::PI / 180.0;
+    take(&file.speed_m_s, "speed_m_s", 5.0, 1.0, &mut limits.speed_m_s, "m/s")?;
+    take(
+        &file.acceleration_m_s2,
+        "acceleration_m_s2",
+        50.0,
+        1.0,
+        &mut limits.acceleration_m_s2,
+        "m/s^2",
+    )?;
+    take(&file.jerk_m_s3, "jerk_m_s3", 1e4, 1.0, &mut limits.jerk_m_s3, "m/s^3")?;
+    take(
+        &file.angular_speed_deg_s,
+        "angular_speed_deg_s",
+        720.0,
+        rad,
+        &mut limits.angular_speed_rad_s,
+        "deg/s",
+    )?;
+    take(
+        &file.angular_acceleration_deg_s2,
+        "angular_acceleration_deg_s2",
+        5000.0,
+        rad,
+        &mut limits.angular_acceleration_rad_s2,
+        "deg/s^2",
+    )?;
+    if let Some(at) = workspace {
+        let WorkspaceFile { min_m, max_m } = at.get_ref();
+        let is_box = (0..3).all(|i| min_m[i] < max_m[i] && max_m[i] - min_m[i] < 100.0);
+        if !is_box {
+            let message = format!("workspace: min_m {min_m:?} must be below max_m {max_m:?}");
+            return Err(source.error(at, message));
+        }
+        limits.workspace = Some(Box3 { min: Vec3::from(*min_m), max: Vec3::from(*max_m) });
+    }
+    Ok((limits, assumed))
+}
+
+pub(super) fn resolve_obstacle(
+    source: &Source,
+    at: &Spanned<ObstacleFile>,
+) -> Result<(String, Obstacle), InputError> {
+    let pose = |position: &[f64; 3], rpy: &[f64; 3], name: &str| {
+        let file = PoseFile { position_m: *position, rpy_deg: Some(*rpy), quaternion_wxyz: None };
+        source.pose_of(&file, &format!("obstacle `{name}`"))
+    };
+    let positive = |values: &[f64], name: &str| {
+        if values.iter().all(|v| *v > 0.0 && *v < 100.0) {
+            return Ok(());
+        }
+        Err(source
+            .error(at, format!("obstacle `{name}`: sizes must be above 0 m, found {values:?}")))
+    };
+    Ok(match at.get_ref() {
+        ObstacleFile::Box { name, position_m, rpy_deg, size_m } => {
+            positive(size_m, name)?;
+            let pose = pose(position_m, rpy_deg, name)?;
+            (name.clone(), Obstacle::Box { pose, size: Vec3::from(*size_m) })
+        }
+        ObstacleFile::Sphere { name, position_m, radius_m } => {
+            positive(&[*radius_m], name)?;
+            let center = pose(position_m, &[0.0; 3], name)?.translation.vector;
+            (name.clone(), Obstacle::Sphere { center, radius: *radius_m })
+        }
+        ObstacleFile::Capsule { name, from_m, to_m, radius_m } => {
+            positive(&[*radius_m], name)?;
+            let a = pose(from_m, &[0.0; 3], name)?.translation.vector;
+            let b = pose(to_m, &[0.0; 3], name)?.translation.vector;
+            (name.clone(), Obstacle::Capsule { a, b, radius: *radius_m })
+        }
+        ObstacleFile::Cylinder { name, position_m, rpy_deg, radius_m, length_m } => {
+            positive(&[*radius_m, *length_m], name)?;
+            let pose = pose(position_m, rpy_deg, name)?;
+            (name.clone(), Obstacle::Cylinder { pose, radius: *radius_m, length: *length_m })
+        }
+    })
+}
