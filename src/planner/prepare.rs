@@ -159,7 +159,8 @@ impl<'a> Workshop<'a> {
                 Ok(check) => {
                     violations.extend(check.violations.iter().map(ToString::to_string));
                     prepared.clearance = self.clearance(&check.motion);
-                    prepared.robot = Some(check.motion);
+                    let q = at_times(&user.path.time_s, q, &path.time_s);
+                    prepared.robot = Some(RobotMotion { q, ..check.motion });
                 }
                 Err(e) => violations.push(e.to_string()),
             },
@@ -232,6 +233,17 @@ impl Prepared {
             moved_m: self.moved_m,
         })
     }
+}
+
+/// Joint angles at other times, interpolated linearly.
+fn at_times(time_s: &[f64], q: &[Vec<f64>], wanted: &[f64]) -> Vec<Vec<f64>> {
+    let at = |t: f64| -> Vec<f64> {
+        let high = time_s.partition_point(|s| *s < t).clamp(1, time_s.len() - 1);
+        let (a, b) = (time_s[high - 1], time_s[high]);
+        let part = ((t - a) / (b - a)).clamp(0.0, 1.0);
+        q[high - 1].iter().zip(&q[high]).map(|(x, y)| x + part * (y - x)).collect()
+    };
+    wanted.iter().map(|t| at(*t)).collect()
 }
 
 fn seven(pose: &Pose) -> [f64; 7] {

@@ -133,7 +133,7 @@ impl Measured {
         let of = |name: &str| skeleton.segment(name);
         let (l5, t8, neck, head) = (of("L5"), of("T8"), of("Neck"), of("Head"));
         let grip = of(side.grip());
-        Ok(Self { l5, t8, neck, head, grip, arms, skeleton })
+        Ok(Self { skeleton, l5, t8, neck, head, grip, arms })
     }
 }
 
