@@ -6,6 +6,7 @@
 
 mod body;
 mod inspect;
+mod train;
 
 use clap::{Parser, Subcommand};
 use miette::Diagnostic;
@@ -26,6 +27,8 @@ enum Command {
     Inspect(inspect::Args),
     /// Makes a digital human of given sex, stature and mass.
     Body(body::Args),
+    /// Learns from recordings how a person resolves the redundancy of the body.
+    Train(train::Args),
 }
 
 /// How a command ended when it did not fail.
@@ -43,6 +46,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Inspect(args) => inspect::run(&args),
         Command::Body(args) => body::run(&args),
+        Command::Train(args) => train::run(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
