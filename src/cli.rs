@@ -8,6 +8,7 @@ mod body;
 mod inspect;
 mod plan;
 mod progress;
+mod train;
 
 use clap::{Parser, Subcommand};
 use miette::Diagnostic;
@@ -32,6 +33,8 @@ enum Command {
     Plan(plan::PlanArgs),
     /// Scores the paths that you have now, as they are, without planning.
     Assess(plan::AssessArgs),
+    /// Learns from recordings how a person resolves the redundancy of the body.
+    Train(train::Args),
 }
 
 /// How a command ended when it did not fail.
@@ -52,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Body(args) => body::run(&args),
         Command::Plan(args) => plan::plan(&args),
         Command::Assess(args) => plan::assess(&args),
+        Command::Train(args) => train::run(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

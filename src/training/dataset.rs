@@ -1,0 +1,332 @@
+//! Frames from which a posture model is learned: what the joints did and what the hand did by it.
+//!
+//! ```text
+//! xdot := J(q) qdot       (6 rows: m/s, rad/s; pelvis axes; the grip)
+//! ```
+//! The task velocity is that of the fitted joints, so that every frame meets `J qdot = xdot` exactly.
+//! Frames are thinned to about 30 Hz for second moments and scores; every other one of them (about
+//! 15 Hz) serves everything fitted by likelihood, because neighbouring frames are nearly copies.
+
+use super::fit::JointMotion;
+use crate::files::InputError;
+use crate::human::{Body, BodySize, Side};
+use crate::kinematics::Frames;
+use crate::math::Pose;
+use crate::posture::{Coupling, Hold};
+use nalgebra::{DMatrix, DVector};
+
+/// Rate for second moments and scores, Hz.
+const DENSE_RATE_HZ: f64 = 30.0;
+/// Rate for what is fitted by likelihood, Hz.
+const SPARSE_RATE_HZ: f64 = 15.0;
+/// Fewest frames (about 30 Hz) that can be split and learned from: two seconds.
+const FEWEST_FRAMES: usize = 60;
+/// Joint speed (rms over joints and time, rad/s) below which nobody moves.
+const STILL_RAD_S: f64 = 1e-3;
+/// Blocks of contiguous time when there is a single trial; also the most groups of trials.
+const BLOCKS: usize = 5;
+/// Trials up to this number are held out one by one.
+const MOST_SINGLE_TRIALS: usize = 6;
+
+/// One movement without interruption.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Name of the recording.
+    pub source: String,
+    /// Frames per second, Hz.
+    pub rate_hz: f64,
+    /// Joint angles, T x n, rad.
+    pub q: Vec<Vec<f64>>,
+    /// Joint velocities, T x n, rad/s.
+    pub qdot: Vec<Vec<f64>>,
+}
+
+impl From<&JointMotion> for Trial {
+    fn from(motion: &JointMotion) -> Self {
+        Self {
+            source: motion.source.clone(),
+            rate_hz: motion.rate_hz,
+            q: motion.q.clone(),
+            qdot: motion.qdot.clone(),
+        }
+    }
+}
+
+/// One instant of one trial.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Joint angles, n, rad.
+    pub q: DVector<f64>,
+    /// Joint velocity, n, rad/s.
+    pub qdot: DVector<f64>,
+    /// Jacobian of the grip, 6 x n, pelvis axes.
+    pub jacobian: DMatrix<f64>,
+    /// `J qdot`, 6: m/s, rad/s.
+    pub xdot: DVector<f64>,
+    /// Grip in the pelvis frame.
+    pub hand: Pose,
+    /// Index of the trial.
+    pub trial: usize,
+    /// Index within the thinned trial.
+    pub index: usize,
+    /// Time since the start of the trial, s.
+    pub time_s: f64,
+    /// Whether it is one of the frames at about 15 Hz.
+    pub is_sparse: bool,
+}
+
+/// All frames (about 30 Hz) of all trials of one person in one body.
+#[derive(Debug, Clone)]
+pub struct Dataset {
+    /// The frames, trial by trial, in order of time.
+    pub frames: Vec<Frame>,
+    /// The body's hand, rigidly coupled.
+    pub coupling: Coupling,
+    /// The coupled side.
+    pub side: Side,
+    /// Size of the body.
+    pub size: BodySize,
+    /// Names of the joints, n.
+    pub joints: Vec<String>,
+    /// Number of trials.
+    pub trials: usize,
+}
+
+/// What trains and what tests, as indices of frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fold {
+    /// Frames that train.
+    pub train: Vec<usize>,
+    /// Frames that test.
+    pub test: Vec<usize>,
+}
+
+impl Dataset {
+    /// Thins the trials and adds the kinematics of the body.
+    ///
+    /// # Errors
+    /// Where a trial has another number of joints than the chain, all trials together are shorter
+    /// than two seconds, or nothing moves.
+    pub fn new(trials: &[Trial], body: &Body, side: Side) -> Result<Self, InputError> {
+        let coupling = Coupling::new(body, side, Hold::Rigid)?;
+        let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
+        let mut frames = Vec::new();
+        for (index, trial) in trials.iter().enumerate() {
+            if trial.q.iter().chain(&trial.qdot).any(|row| row.len() != joints.len()) {
+                let message = format!("does not have the {} joints of the chain", joints.len());
+                return Err(InputError::new(&trial.source, message));
+            }
+            frames.extend(thinned(trial, index, &coupling));
+        }
+        let source = trials.first().map_or("recordings", |t| t.source.as_str());
+        if frames.len() < FEWEST_FRAMES {
+            let message = format!("holds only {} frames at {DENSE_RATE_HZ} Hz", frames.len());
+            return Err(InputError::new(source, message)
+                .remedy("give at least two seconds of movement, better ten or several trials"));
+        }
+        let square: f64 = frames.iter().map(|f| f.qdot.norm_squared()).sum();
+        if (square / (frames.len() * joints.len()) as f64).sqrt() < STILL_RAD_S {
+            return Err(InputError::new(source, "holds a person who does not move")
+                .remedy("give movements of the kind that is to be planned"));
+        }
+        Ok(Self { frames, coupling, side, size: body.size, joints, trials: trials.len() })
+    }
+
+    /// The frames with these indices.
+    pub fn select(&self, indices: &[usize]) -> Vec<&Frame> {
+        indices.iter().map(|&i| &self.frames[i]).collect()
+    }
+
+    /// How the methods are judged: of several trials whole ones are held out; of a single one the
+    /// first 70 % of the time trains, 0.5 s are left out, and the rest tests.
+    pub fn held_out(&self) -> Vec<Fold> {
+        if self.trials > 1 { self.blocks() } else { vec![self.split_in_time(0.7, 0.5)] }
+    }
+
+    /// The first `share` of the frames trains, a gap of `gap_s` follows, and the rest tests.
+    pub fn split_in_time(&self, share: f64, gap_s: f64) -> Fold {
+        let count = self.frames.len();
+        let cut = ((share * count as f64).round() as usize).clamp(1, count - 1);
+        let border = &self.frames[cut - 1];
+        let is_test = |f: &Frame| f.trial != border.trial || f.time_s > border.time_s + gap_s;
+        let test = (cut..count).filter(|&i| is_test(&self.frames[i])).collect();
+        Fold { train: (0..cut).collect(), test }
+    }
+
+    /// Every frame tests once: trial by trial (in five groups when there are more than six), or, for
+    /// a single trial, in five contiguous blocks of time.
+    pub fn blocks(&self) -> Vec<Fold> {
+        self.blocks_of(&(0..self.frames.len()).collect::<Vec<_>>())
+    }
+
+    /// [`Self::blocks`] within a subset of the frames.
+    pub fn blocks_of(&self, subset: &[usize]) -> Vec<Fold> {
+        let mut trials: Vec<usize> = subset.iter().map(|&i| self.frames[i].trial).collect();
+        trials.dedup();
+        let group = |at: usize, i: usize| match trials.len() {
+            0 | 1 => at * BLOCKS / subset.len(),
+            count => {
+                let place = trials.iter().position(|&t| t == self.frames[i].trial).unwrap_or(0);
+                if count > MOST_SINGLE_TRIALS { place % BLOCKS } else { place }
+            }
+        };
+        let groups: Vec<usize> = subset.iter().enumerate().map(|(at, &i)| group(at, i)).collect();
+        let count = groups.iter().max().map_or(0, |g| g + 1);
+        (0..count)
+            .map(|g| {
+                let pick = |is_test: bool| {
+                    let wanted = subset.iter().zip(&groups).filter(|(_, o)| (**o == g) == is_test);
+                    wanted.map(|(&i, _)| i).collect()
+                };
+                Fold { train: pick(false), test: pick(true) }
+            })
+            .filter(|fold| !fold.train.is_empty() && !fold.test.is_empty())
+            .collect()
+    }
+}
+
+/// The frames at about 15 Hz among the given ones.
+pub(super) fn sparse<'a>(frames: &[&'a Frame]) -> Vec<&'a Frame> {
+    frames.iter().copied().filter(|f| f.is_sparse).collect()
+}
+
+/// At most `count` of the items, evenly spread.
+pub(super) fn at_most<T: Copy>(items: &[T], count: usize) -> Vec<T> {
+    if items.len() <= count {
+        return items.to_vec();
+    }
+    (0..count).map(|i| items[i * items.len() / count]).collect()
+}
+
+/// Splits frames where the trial changes or time jumps: runs of uniformly spaced frames.
+pub(super) fn runs<'a>(frames: &[&'a Frame]) -> Vec<Vec<&'a Frame>> {
+    let mut runs: Vec<Vec<&Frame>> = Vec::new();
+    for &frame in frames {
+        match runs.last_mut() {
+            Some(run)
+                if run
+                    .last()
+                    .is_some_and(|l| l.trial == frame.trial && l.index + 1 == frame.index) =>
+            {
+                run.push(frame);
+            }
+            _ => runs.push(vec![frame]),
+        }
+    }
+    runs
+}
+
+fn thinned(trial: &Trial, index: usize, coupling: &Coupling) -> Vec<Frame> {
+    let every = |rate: f64| ((trial.rate_hz / rate).round() as usize).max(1);
+    let (dense, sparse) = (every(DENSE_RATE_HZ), every(SPARSE_RATE_HZ));
+    // Of the dense frames every second at most: 100 Hz gives 33 and 17 Hz, not 33 and 14.
+    let every_second = (sparse as f64 / dense as f64).round().max(1.0) as usize;
+    let mut scratch = Frames::default();
+    (0..trial.q.len())
+        .step_by(dense)
+        .enumerate()
+        .map(|(k, i)| {
+            let q = DVector::from_column_slice(&trial.q[i]);
+            let qdot = DVector::from_column_slice(&trial.qdot[i]);
+            let seen = coupling.observe(&q, &mut scratch);
+            Frame {
+                xdot: &seen.jacobian * &qdot,
+                q,
+                qdot,
+                jacobian: seen.jacobian,
+                hand: seen.pose,
+                trial: index,
+                index: k,
+                time_s: i as f64 / trial.rate_hz,
+                is_sparse: k % every_second == 0,
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Trials of smooth made-up angles inside the limits of a shipped body.
+    pub(in crate::training) fn made_up(trials: usize, seconds: f64, rate_hz: f64) -> Dataset {
+        let body = Body::load("female_p50", Path::new(".")).unwrap();
+        let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+        let limits = coupling.limits();
+        let n = coupling.dof();
+        let trial = |t: usize| {
+            let at = |time: f64, c: usize| {
+                let (low, high) = (limits.lower[c], limits.upper[c]);
+                let speed = 1.0 + 0.37 * c as f64 % 2.3 + 0.3 * t as f64;
+                let (phase, reach) = (1.3 * c as f64 + t as f64, 0.12 * (high - low));
+                let (s, c) = (speed * time + phase).sin_cos();
+                (0.5 * (low + high) + reach * s, reach * speed * c)
+            };
+            let rows = |pick: fn((f64, f64)) -> f64| -> Vec<Vec<f64>> {
+                let count = (seconds * rate_hz) as usize;
+                let row = |i: usize| (0..n).map(|c| pick(at(i as f64 / rate_hz, c))).collect();
+                (0..count).map(row).collect()
+            };
+            Trial { source: format!("trial {t}"), rate_hz, q: rows(|p| p.0), qdot: rows(|p| p.1) }
+        };
+        let trials: Vec<Trial> = (0..trials).map(trial).collect();
+        Dataset::new(&trials, &body, Side::Right).unwrap()
+    }
+
+    #[test]
+    fn frames_are_thinned_and_meet_their_task() {
+        let data = made_up(2, 4.0, 120.0);
+        assert_eq!(data.frames.len(), 240);
+        assert_eq!(data.frames.iter().filter(|f| f.is_sparse).count(), 120);
+        for f in &data.frames {
+            assert!((&f.jacobian * &f.qdot - &f.xdot).norm() < 1e-12);
+        }
+        assert!((data.frames[1].time_s - 1.0 / 30.0).abs() < 1e-12);
+        let all: Vec<&Frame> = data.frames.iter().collect();
+        assert_eq!(runs(&all).iter().map(Vec::len).collect::<Vec<_>>(), [120, 120]);
+        assert_eq!(at_most(&all, 50).len(), 50);
+    }
+
+    #[test]
+    fn whole_trials_are_held_out() {
+        let trials_of = |data: &Dataset, indices: &[usize]| {
+            let mut t: Vec<usize> = indices.iter().map(|&i| data.frames[i].trial).collect();
+            t.dedup();
+            t
+        };
+        let data = made_up(3, 2.0, 30.0);
+        let folds = data.held_out();
+        assert_eq!(folds.len(), 3);
+        assert_eq!(trials_of(&data, &folds[1].test), [1]);
+        assert_eq!(trials_of(&data, &folds[1].train), [0, 2]);
+        let many = made_up(8, 2.0, 30.0);
+        assert_eq!(many.held_out().len(), 5);
+        assert_eq!(trials_of(&many, &many.held_out()[0].test), [0, 5]);
+    }
+
+    #[test]
+    fn a_single_trial_is_split_in_time_with_a_gap() {
+        let data = made_up(1, 10.0, 30.0);
+        let folds = data.held_out();
+        assert_eq!(folds.len(), 1);
+        assert_eq!((folds[0].train.len(), folds[0].test[0]), (210, 225));
+        let blocks = data.blocks();
+        assert_eq!(blocks.len(), 5);
+        assert!(blocks.iter().all(|b| b.test.len() == 60 && b.train.len() == 240));
+    }
+
+    #[test]
+    fn too_little_and_too_still_is_refused() {
+        let body = Body::load("female_p50", Path::new(".")).unwrap();
+        let still = |count| Trial {
+            source: "still".into(),
+            rate_hz: 30.0,
+            q: vec![vec![0.1; 24]; count],
+            qdot: vec![vec![0.0; 24]; count],
+        };
+        let error = |t| Dataset::new(&[t], &body, Side::Right).unwrap_err().to_string();
+        assert!(error(still(20)).contains("only 20"));
+        assert!(error(still(100)).contains("does not move"));
+    }
+}

@@ -1,0 +1,144 @@
+//! Minimisation of smooth functions: argmin's L-BFGS and Nelder-Mead behind two plain calls.
+//!
+//! Both return the best point that was ever evaluated, so that a line search that gives up at the
+//! limit of rounding costs nothing.
+
+use argmin::core::{CostFunction, Error, Executor, Gradient};
+use argmin::solver::linesearch::MoreThuenteLineSearch;
+use argmin::solver::neldermead::NelderMead;
+use argmin::solver::quasinewton::LBFGS;
+use std::cell::RefCell;
+
+/// Steps that L-BFGS remembers.
+const MEMORY: usize = 10;
+/// Change of the scaled cost below which the search ends.
+const COST_TOLERANCE: f64 = 1e-13;
+/// Norm of the scaled gradient below which the search ends.
+const GRADIENT_TOLERANCE: f64 = 1e-9;
+
+/// Value and gradient at a point.
+pub(super) type ValueAndGradient = (f64, Vec<f64>);
+
+struct Seen {
+    last: Option<(Vec<f64>, ValueAndGradient)>,
+    best: Option<(Vec<f64>, f64)>,
+}
+
+/// A function whose last value is kept, because solvers ask for value and gradient apart.
+struct Remembered<'a, F> {
+    function: &'a F,
+    seen: &'a RefCell<Seen>,
+}
+
+impl<F: Fn(&[f64]) -> ValueAndGradient> Remembered<'_, F> {
+    fn at(&self, x: &[f64]) -> ValueAndGradient {
+        if let Some((point, found)) = &self.seen.borrow().last
+            && point == x
+        {
+            return found.clone();
+        }
+        let found = (self.function)(x);
+        let mut seen = self.seen.borrow_mut();
+        if found.0.is_finite() && seen.best.as_ref().is_none_or(|(_, b)| found.0 < *b) {
+            seen.best = Some((x.to_vec(), found.0));
+        }
+        seen.last = Some((x.to_vec(), found.clone()));
+        found
+    }
+}
+
+impl<F: Fn(&[f64]) -> ValueAndGradient> CostFunction for Remembered<'_, F> {
+    type Param = Vec<f64>;
+    type Output = f64;
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, Error> {
+        Ok(self.at(x).0)
+    }
+}
+
+impl<F: Fn(&[f64]) -> ValueAndGradient> Gradient for Remembered<'_, F> {
+    type Param = Vec<f64>;
+    type Gradient = Vec<f64>;
+    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Error> {
+        Ok(self.at(x).1)
+    }
+}
+
+/// L-BFGS from `start`; the best point and its value.
+///
+/// The function is scaled by its gradient at the start, because the first step of the line search is
+/// as long as the gradient: sums of log-likelihoods would leave the range of floats.
+pub(super) fn descend(
+    function: &impl Fn(&[f64]) -> ValueAndGradient,
+    start: &[f64],
+    iterations: u64,
+) -> (Vec<f64>, f64) {
+    let seen = RefCell::new(Seen { last: None, best: None });
+    let steep = function(start).1.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let scale = if steep.is_finite() { 1.0 / steep.max(1.0) } else { 1.0 };
+    let scaled = |x: &[f64]| {
+        let (value, gradient) = function(x);
+        (value * scale, gradient.into_iter().map(|g| g * scale).collect())
+    };
+    let problem = Remembered { function: &scaled, seen: &seen };
+    let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
+        .with_tolerance_cost(COST_TOLERANCE)
+        .and_then(|solver| solver.with_tolerance_grad(GRADIENT_TOLERANCE))
+        .map(|solver| {
+            Executor::new(problem, solver)
+                .configure(|state| state.param(start.to_vec()).max_iters(iterations))
+                .timer(false)
+                .run()
+                .map(|_| ())
+        });
+    let (x, value) = finish(solver, seen, start);
+    (x, value / scale)
+}
+
+/// Nelder-Mead from a simplex with edges of `size` at `start`; the best point and its value.
+pub(super) fn wander(
+    function: &impl Fn(&[f64]) -> f64,
+    start: &[f64],
+    size: f64,
+    iterations: u64,
+) -> (Vec<f64>, f64) {
+    let seen = RefCell::new(Seen { last: None, best: None });
+    let with_gradient = |x: &[f64]| (function(x), Vec::new());
+    let problem = Remembered { function: &with_gradient, seen: &seen };
+    let mut simplex = vec![start.to_vec()];
+    for i in 0..start.len() {
+        let mut corner = start.to_vec();
+        corner[i] += size;
+        simplex.push(corner);
+    }
+    let solver = NelderMead::new(simplex).with_sd_tolerance(1e-4).map(|solver| {
+        Executor::new(problem, solver)
+            .configure(|state| state.max_iters(iterations))
+            .timer(false)
+            .run()
+            .map(|_| ())
+    });
+    finish(solver, seen, start)
+}
+
+/// A search that stopped early is judged by the best it saw, whatever the reason.
+fn finish<T>(_outcome: T, seen: RefCell<Seen>, start: &[f64]) -> (Vec<f64>, f64) {
+    seen.into_inner().best.unwrap_or_else(|| (start.to_vec(), f64::INFINITY))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn valley(x: &[f64]) -> ValueAndGradient {
+        let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);
+        (a * a + 100.0 * b * b, vec![-2.0 * a - 400.0 * x[0] * b, 200.0 * b])
+    }
+
+    #[test]
+    fn both_find_the_floor_of_the_valley() {
+        let (x, value) = descend(&valley, &[-1.2, 1.0], 200);
+        assert!((x[0] - 1.0).abs() < 1e-4 && value < 1e-8, "{x:?} {value}");
+        let (x, _) = wander(&|x: &[f64]| valley(x).0, &[-1.2, 1.0], 0.3, 300);
+        assert!((x[0] - 1.0).abs() < 0.05, "{x:?}");
+    }
+}
