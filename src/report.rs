@@ -1,7 +1,34 @@
 //! The files of a run: everything the reader sees, made from one finished [`RunResult`].
+//!
+//! ```text
+//! RunResult ─► view    which paths are shown, and in which words
+//!           ─► tables  candidates.csv, paths/<rank>.csv
+//!           ─► figure_* on sheet, panel, style   figures/*.png
+//!           ─► page*   report.html
+//! result.json of several runs ─► comparison     comparison.csv, comparison.html
+//! ```
+//!
+//! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
+
+mod comparison;
+mod figure_paths;
+mod figure_scores;
+mod page;
+mod page_evidence;
+mod page_scores;
+mod panel;
+mod sheet;
+mod style;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod view;
+
+//pub use comparison::{ComparisonRow, Difference, RowState, comparison};
 
 use crate::planner::RunResult;
 use thiserror::Error;
+use view::View;
 
 /// A file could not be made.
 #[derive(Debug, Error)]
@@ -9,11 +36,43 @@ pub enum ReportError {
     /// A value could not be written as JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// A table could not be written.
+    #[error("table: {0}")]
+    Table(#[from] csv::Error),
+    /// A figure could not be drawn.
+    #[error("figure `{name}`: {message}")]
+    Figure {
+        /// Its name.
+        name: String,
+        /// Why.
+        message: String,
+    },
 }
 
 /// All files of a run, as (name, bytes).
 pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    Ok(vec![("result.json".to_owned(), result_json(result)?.into_bytes())])
+    let view = View::of(result);
+    let mut files = vec![
+        ("result.json".to_owned(), result_json(result)?.into_bytes()),
+        ("candidates.csv".to_owned(), tables::candidates(result)?),
+    ];
+    for candidate in &view.reported {
+        if let (Some(rank), Some(path)) = (candidate.rank, &candidate.path) {
+            files.push((format!("paths/{rank}.csv"), tables::path(path)?));
+        }
+    }
+    let figures = page::Figures {
+        paths: figure_paths::paths(&view)?,
+        over_time: figure_scores::over_time(&view)?,
+        levels: figure_scores::levels(&view)?,
+        parts: figure_scores::parts(&view)?,
+    };
+    files.push(("report.html".to_owned(), page::report(&view, &figures).into_bytes()));
+    files.push(("figures/paths.png".to_owned(), figures.paths));
+    files.push(("figures/rula_over_time.png".to_owned(), figures.over_time));
+    files.push(("figures/levels.png".to_owned(), figures.levels));
+    files.push(("figures/parts.png".to_owned(), figures.parts));
+    Ok(files)
 }
 
 /// `result.json` as text.

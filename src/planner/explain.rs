@@ -338,6 +338,8 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
         assumed_limits: scenario.assumed_limits.clone(),
         task: scenario.task.clone(),
         duration_s: scenario.duration_s,
+        start_m: scenario.start.translation.vector.into(),
+        goal_m: scenario.goal.translation.vector.into(),
         facing: [w.facing.cos(), w.facing.sin()],
         obstacles: scenario.obstacles.iter().map(bounds).collect(),
     }

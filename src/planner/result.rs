@@ -262,6 +262,10 @@ pub struct Setting {
     pub task: Task,
     /// Duration, s.
     pub duration_s: f64,
+    /// Where the TCP starts, world, m.
+    pub start_m: [f64; 3],
+    /// Where it ends, world, m.
+    pub goal_m: [f64; 3],
     /// Forward direction of the worker in the world (x, y), for drawings.
     pub facing: [f64; 2],
     /// Obstacles as boxes that bound them, for drawings: name, lower and upper corner, m.

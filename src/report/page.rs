@@ -1,0 +1,255 @@
+//! `report.html`: the frame of the page, the verdict and the figures.
+
+use super::page_evidence as evidence;
+use super::page_scores as scores;
+use super::style::{RULA_LEVELS, css};
+use super::view::{View, change, percent, score};
+use crate::ergonomics::{P_AT_LEAST_S, rula_action_level, rula_action_words};
+use crate::planner::BodyScores;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// The style sheet of all pages.
+pub(super) const CSS: &str = include_str!("page.css");
+
+/// The figures of the page as PNG.
+#[derive(Debug, Clone)]
+pub(super) struct Figures {
+    pub paths: Vec<u8>,
+    pub over_time: Vec<u8>,
+    pub levels: Vec<u8>,
+    pub parts: Vec<u8>,
+}
+
+/// The sections in their order: id and heading.
+const SECTIONS: [(&str, &str); 13] = [
+    ("verdict", "Verdict"),
+    ("levels", "Time at each action level"),
+    ("variants", "Paths compared"),
+    ("paths", "The paths"),
+    ("curves", "Scores over time"),
+    ("parts", "Body parts"),
+    ("bodies", "Body sizes"),
+    ("inputs", "Inputs and where they come from"),
+    ("assumptions", "Assumptions and what is not modelled"),
+    ("verification", "Verification"),
+    ("infeasible", "Paths that are not feasible"),
+    ("model", "Posture model"),
+    ("provenance", "Provenance"),
+];
+
+/// The page.
+pub(super) fn report(view: &View, figures: &Figures) -> String {
+    let setting = &view.result.setting;
+    let title = format!("{} – ergopath report", setting.name);
+    let contents: [Markup; 13] = [
+        verdict(view),
+        levels(view, figures),
+        scores::variants(view),
+        paths(view, figures),
+        curves(view, figures),
+        parts(view, figures),
+        scores::bodies(view),
+        evidence::inputs(view),
+        evidence::assumptions(view),
+        evidence::verification(view),
+        evidence::infeasible(view),
+        evidence::model(view),
+        evidence::provenance(view),
+    ];
+    let intro = html! {
+        h1 { (setting.name) }
+        @if !setting.description.is_empty() { p { (setting.description) } }
+        nav.contents aria-label="Contents" {
+            ul {
+                @for (id, heading) in SECTIONS { li { a href={ "#" (id) } { (heading) } } }
+            }
+        }
+    };
+    let body = html! {
+        @for ((id, heading), content) in SECTIONS.into_iter().zip(contents) {
+            section id=(id) class=[(id == "verdict").then_some("verdict")] aria-labelledby={ "h-" (id) } {
+                h2 id={ "h-" (id) } { (heading) }
+                (content)
+            }
+        }
+    };
+    document(&title, &intro, &body)
+}
+
+/// A whole page around its content.
+pub(super) fn document(title: &str, intro: &Markup, body: &Markup) -> String {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(CSS)) }
+            }
+            body {
+                a.skip href="#main" { "Skip to the content" }
+                header.top { (intro) }
+                main id="main" { (body) }
+                footer { "Made by ergopath. Figures and tables stand beside this page as PNG and CSV files." }
+            }
+        }
+    }
+    .into_string()
+}
+
+/// Text in which words between backticks are names.
+pub(super) fn ticked(text: &str) -> Markup {
+    html! {
+        @for (i, part) in text.split('`').enumerate() {
+            @if i % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
+}
+
+/// A list of sentences.
+pub(super) fn list(lines: &[String]) -> Markup {
+    html! { ul { @for line in lines { li { (ticked(line)) } } } }
+}
+
+fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
+    html! {
+        figure {
+            img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(alt);
+            figcaption { (caption) }
+        }
+    }
+}
+
+fn verdict(view: &View) -> Markup {
+    let result = view.result;
+    let best = result.verdict.best.is_some();
+    html! {
+        p.headline { (ticked(&result.verdict.headline)) }
+        @if let Some(caveat) = &result.verdict.caveat {
+            p.caveat { "Caution: " (caveat) }
+        }
+        @if let (true, Some(body)) = (best, view.lead.and_then(|l| view.scores(l))) {
+            (keys(view, body))
+        }
+        (list(&result.verdict.lines))
+        @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
+        p.note {
+            "90 % band: nine of ten repetitions lie within. Standard error: how far the mean itself may \
+             be off because only " (rollouts(view)) " repetitions were simulated. Action level 3 of RULA \
+             (score 5 or more) means: look further and change soon."
+        }
+    }
+}
+
+fn rollouts(view: &View) -> String {
+    let body = view.lead.and_then(|l| view.scores(l));
+    body.map_or_else(|| "few".to_owned(), |b| b.rollouts.to_string())
+}
+
+/// The numbers that decide, large.
+fn keys(view: &View, body: &BodyScores) -> Markup {
+    let level = rula_action_level(body.rula.expected.round() as u8);
+    let color = css(RULA_LEVELS[usize::from(level.clamp(1, 4)) - 1].color);
+    let [exposure, low, high] = body.exposure_rula_5_band;
+    let at_least = body.rula.p_at_least.get(5).copied().unwrap_or(0.0);
+    html! {
+        dl.keys {
+            div.key {
+                dt { "Time at RULA action level 3 or above" }
+                dd.big { (percent(exposure)) }
+                dd.small { "90 % band " (percent(low)) " to " (percent(high)) }
+            }
+            div.key {
+                dt { "Expected RULA" }
+                dd.big { (score(body.rula.expected)) }
+                dd.small { "90 % band " (score(body.rula.p05)) " to " (score(body.rula.p95)) }
+                dd { span.badge style={ "background:" (color) } { "action level " (level) } }
+                dd.small { (rula_action_words(level)) }
+            }
+            div.key {
+                dt { "Expected REBA" }
+                dd.big { (score(body.reba.expected)) }
+                dd.small { "90 % band " (score(body.reba.p05)) " to " (score(body.reba.p95)) }
+            }
+            @if let Some(d) = view.straight.and_then(|s| view.difference(&s.id)) {
+                div.key {
+                    dt { "RULA against the straight path" }
+                    dd.big { @if d.clear { (change(d.mean)) } @else { "no clear difference" } }
+                    dd.small { "95 % interval " (change(d.low95)) " to " (change(d.high95)) }
+                }
+            }
+            div.key {
+                dt { "Chance of RULA 5 or more for at least " (P_AT_LEAST_S) " s" }
+                dd.big { (percent(at_least)) }
+                dd.small { "share of repetitions" }
+            }
+        }
+    }
+}
+
+fn levels(view: &View, figures: &Figures) -> Markup {
+    let Some(lead) = view.lead else {
+        return html! { p { "No path was scored, so there is nothing to compare." } };
+    };
+    let described = super::view::worst_body(lead).map_or_else(String::new, |b| {
+        let shares = RULA_LEVELS
+            .iter()
+            .map(|l| format!("level {} {}", l.number, percent(l.share(&b.rula.exposure))));
+        shares.collect::<Vec<_>>().join(", ")
+    });
+    figure(
+        &figures.levels,
+        &format!(
+            "Stacked bars of the share of time at each RULA action level. {}: {described}.",
+            lead.id
+        ),
+        "Each bar is one path, best first: the share of time, over all simulated repetitions, that the \
+         posture is at each RULA action level. Worst body size of each path.",
+    )
+}
+
+fn paths(view: &View, figures: &Figures) -> Markup {
+    let caption = if view.lead.is_some() {
+        "The mean posture over all repetitions at start and goal, with the robot as a line through its \
+         joints. Single repetitions differ from it. Obstacles are drawn as the boxes that bound them."
+    } else {
+        "No path was scored: start, goal and obstacles only."
+    };
+    figure(
+        &figures.paths,
+        "Paths from the side and from above, with the person and the robot as stick figures at start and goal.",
+        caption,
+    )
+}
+
+fn curves(view: &View, figures: &Figures) -> Markup {
+    if view.lead.is_none() {
+        return html! { p { "No path was scored." } };
+    }
+    figure(
+        &figures.over_time,
+        "RULA and REBA score over time of the compared paths, on a ground coloured by action level. The \
+         table of paths gives the same scores as numbers.",
+        "Line: mean over repetitions at each moment. Band: from the 5th to the 95th percentile; a score is \
+         a whole number, so the band moves in steps. Where the lines lie on each other, the paths score alike.",
+    )
+}
+
+fn parts(view: &View, figures: &Figures) -> Markup {
+    if view.lead.is_none() {
+        return html! { p { "No path was scored." } };
+    }
+    html! {
+        (figure(
+            &figures.parts,
+            "Bars of the mean RULA step score of each body part and of how much each drives the total; the \
+             table below holds the same numbers.",
+            "Left: mean score of each step of RULA. Right: how much lower the RULA total would be on \
+             average if this step alone were at its lowest. The right column says where a change pays.",
+        ))
+        (scores::parts(view))
+    }
+}

@@ -1,0 +1,117 @@
+//! The look of every figure and of the bars in the pages: colours, sizes, names of levels.
+//!
+//! Colours are those of Okabe and Ito, which people with the common forms of colour blindness tell
+//! apart; wherever colour carries meaning, a label, a line style or a marker carries it too.
+
+use plotters::style::RGBColor;
+
+/// Name under which the embedded font is registered.
+pub(super) const FONT: &str = "ergopath";
+
+pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
+pub(super) const INK: RGBColor = RGBColor(26, 32, 44);
+pub(super) const MUTED: RGBColor = RGBColor(84, 94, 110);
+pub(super) const GRID: RGBColor = RGBColor(222, 226, 232);
+pub(super) const FAINT: RGBColor = RGBColor(160, 168, 180);
+pub(super) const OBSTACLE: RGBColor = RGBColor(214, 218, 224);
+
+pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(super) const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(super) const YELLOW: RGBColor = RGBColor(240, 228, 66);
+pub(super) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(super) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+
+/// Sizes of text, px of the finished figure.
+pub(super) const TITLE: f64 = 26.0;
+pub(super) const LABEL: f64 = 22.0;
+pub(super) const TICK: f64 = 20.0;
+
+/// One action level of a score.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    /// Its number.
+    pub number: u8,
+    /// Lowest and highest score of the level.
+    pub scores: (u8, u8),
+    /// Colour of its bars; mixed with white it is the ground of curves.
+    pub color: RGBColor,
+    /// What it asks for, in a word or two.
+    pub words: &'static str,
+}
+
+const fn level(number: u8, scores: (u8, u8), color: RGBColor, words: &'static str) -> Level {
+    Level { number, scores, color, words }
+}
+
+/// The action levels of RULA.
+pub(super) const RULA_LEVELS: [Level; 4] = [
+    level(1, (1, 2), GREEN, "acceptable"),
+    level(2, (3, 4), YELLOW, "look further"),
+    level(3, (5, 6), ORANGE, "change soon"),
+    level(4, (7, 7), VERMILION, "change now"),
+];
+
+/// The action levels of REBA.
+pub(super) const REBA_LEVELS: [Level; 5] = [
+    level(0, (1, 1), SKY, "negligible risk"),
+    level(1, (2, 3), GREEN, "low risk"),
+    level(2, (4, 7), YELLOW, "medium risk"),
+    level(3, (8, 10), ORANGE, "high risk"),
+    level(4, (11, 15), VERMILION, "very high risk"),
+];
+
+impl Level {
+    /// Its scores as text: `5-6`, or `7`.
+    pub(super) fn range(&self) -> String {
+        let (low, high) = self.scores;
+        if low == high { low.to_string() } else { format!("{low}-{high}") }
+    }
+
+    /// Share of the time in this level, from the shares at `k` or above.
+    pub(super) fn share(&self, at_least: &[f64]) -> f64 {
+        let of = |k: u8| at_least.get(usize::from(k)).copied().unwrap_or(0.0);
+        let from = if self.scores.0 <= 1 { 1.0 } else { of(self.scores.0) };
+        (from - of(self.scores.1 + 1)).max(0.0)
+    }
+}
+
+/// A colour mixed with white: `strength` 1 leaves it, 0 is white.
+pub(super) fn tint(color: RGBColor, strength: f64) -> RGBColor {
+    let mix = |c: u8| (255.0 + (f64::from(c) - 255.0) * strength).round() as u8;
+    RGBColor(mix(color.0), mix(color.1), mix(color.2))
+}
+
+/// A colour as CSS.
+pub(super) fn css(color: RGBColor) -> String {
+    format!("#{:02x}{:02x}{:02x}", color.0, color.1, color.2)
+}
+
+/// How a line is broken, px of the finished figure: drawn, left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stroke {
+    /// Unbroken.
+    Solid,
+    /// Dashes.
+    Dashed,
+    /// Short dashes.
+    Dotted,
+}
+
+/// How one path is drawn wherever it appears.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pen {
+    pub color: RGBColor,
+    pub width: f64,
+    pub stroke: Stroke,
+}
+
+/// The best path.
+pub(super) const BEST: Pen = Pen { color: BLUE, width: 5.0, stroke: Stroke::Solid };
+/// The straight path.
+pub(super) const STRAIGHT: Pen = Pen { color: INK, width: 3.5, stroke: Stroke::Dashed };
+/// The user's own path.
+pub(super) const OWN: Pen =
+    Pen { color: RGBColor(166, 64, 122), width: 4.0, stroke: Stroke::Dotted };
+/// Other paths of the report.
+pub(super) const OTHER: Pen = Pen { color: FAINT, width: 1.8, stroke: Stroke::Solid };
