@@ -172,9 +172,10 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
             "hand residual       median {:.1} mm, 95 % within {:.1} mm, largest {:.1} mm",
             hand.p50, hand.p95, hand.max
         ),
-        match worst.is_empty() {
-            true => format!("pressing on limits  {at_limits}"),
-            false => format!("pressing on limits  {at_limits} ({})", worst.join(", ")),
+        if worst.is_empty() {
+            format!("pressing on limits  {at_limits}")
+        } else {
+            format!("pressing on limits  {at_limits} ({})", worst.join(", "))
         },
         format!("stature             {hint}"),
         format!("low-pass filter     {} Hz", report.cutoff_hz),

@@ -9,7 +9,8 @@ use std::path::Path;
 pub const MODEL_SCHEMA: &str = "ergopath/posture-model/1";
 
 /// Models that ship inside the program.
-const SHIPPED: &[(&str, &str)] = &[];
+const SHIPPED: &[(&str, &str)] =
+    &[("demo_operator", include_str!("../../models/posture/demo_operator.json"))];
 
 #[derive(Serialize)]
 struct Written<'a> {
@@ -95,8 +96,10 @@ fn check(model: &PostureModel) -> Result<(), String> {
             return Err(format!("{what} is not symmetric positive definite"));
         }
     }
-    let (tau, floor) = (model.noise.correlation_time_s, model.noise.speed_floor_m_s);
-    if !(tau.is_finite() && tau > 0.0 && floor.is_finite() && floor >= 0.0) {
+    let noise = &model.noise;
+    // NaN is neither positive nor zero.
+    let is_sound = noise.correlation_time_s > 0.0 && noise.speed_floor_m_s >= 0.0;
+    if !is_sound {
         return Err("noise times and speeds must be positive".to_owned());
     }
     Ok(())

@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Floor of the residual standard deviation in every null direction, rad/s.
 const NULL_FLOOR_RAD_S: f64 = 0.01;
-/// Standard deviation of the task velocity in LL_q, m/s and rad/s.
+/// Standard deviation of the task velocity in `LL_q`, m/s and rad/s.
 const TASK_SD: f64 = 1e-4;
 
 /// Figures of one method, summed over folds.

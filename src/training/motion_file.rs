@@ -195,7 +195,10 @@ pub fn motion_text(
     joints: &[String],
     trials: &[(Vec<f64>, Vec<Vec<f64>>)],
 ) -> String {
-    let mut text: String = comments.iter().map(|c| format!("# {c}\n")).collect();
+    let mut text = String::new();
+    for comment in comments {
+        let _ = writeln!(text, "# {comment}");
+    }
     text.push_str("trial,time_s");
     for joint in joints {
         let _ = write!(text, ",{joint}_rad");
@@ -272,7 +275,7 @@ mod tests {
         assert!(message.contains("row 11") && message.contains("jL5S1_Y"), "{message}");
         let message = rejected(text.replace(&format!("{}\n", line(20)), ""));
         assert!(message.contains("time goes from"), "{message}");
-        let message = rejected(text.lines().take(5).map(|l| format!("{l}\n")).collect());
+        let message = rejected(text.lines().take(5).collect::<Vec<_>>().join("\n"));
         assert!(message.contains("only 3 rows"), "{message}");
         assert!(rejected(text.replace("time_s", "jL5S1_Z")).contains("no joint"));
     }

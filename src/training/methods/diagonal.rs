@@ -110,12 +110,11 @@ pub(super) fn least_squares(
     let n = second_moment.nrows();
     let mean = second_moment.trace() / n as f64;
     let by_moment = second_moment.diagonal().map(|v| (v / mean).max(SMALLEST_START).ln());
-    let (starts, iterations) = match warm {
-        Some(log_w) => (vec![log_w.to_vec()], WARM_ITERATIONS),
-        None => {
-            let moment = by_moment.add_scalar(-by_moment.mean()).as_slice().to_vec();
-            (vec![vec![0.0; n], moment], ITERATIONS)
-        }
+    let (starts, iterations) = if let Some(log_w) = warm {
+        (vec![log_w.to_vec()], WARM_ITERATIONS)
+    } else {
+        let moment = by_moment.add_scalar(-by_moment.mean()).as_slice().to_vec();
+        (vec![vec![0.0; n], moment], ITERATIONS)
     };
     let found = starts.iter().map(|s| descend(&|x: &[f64]| objective(frames, x), s, iterations));
     let best = found.min_by(|a, b| a.1.total_cmp(&b.1));

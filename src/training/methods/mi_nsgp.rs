@@ -25,6 +25,8 @@ const NOISE_PRIOR: (f64, f64) = (0.1, 1.5);
 const HYPER_SAMPLES: usize = 150;
 const ALTERNATIONS: usize = 2;
 const HYPER_ITERATIONS: u64 = 50;
+/// Edge of the first simplex, in logarithms.
+const FIRST_EDGE: f64 = 0.7;
 const WEIGHT_ITERATIONS: u64 = 80;
 /// Smallest scale of a component of the residuals, rad/s.
 const SMALLEST_SCALE: f64 = 0.01;
@@ -43,21 +45,13 @@ pub(super) fn learn(frames: &[&Frame], start: &[f64], samples: usize) -> Option<
     let few = at_most(&frames, HYPER_SAMPLES);
     let mut log_w = start.to_vec();
     let scales = scales(&residuals(&frames, &log_w)?);
+    let (all_inputs, few_inputs) = (inputs(&frames), inputs(&few));
     let mut found = vec![0.0, 0.0, 0.0];
     for _ in 0..ALTERNATIONS {
         let targets = scaled(residuals(&few, &log_w)?, &scales);
-        let inputs = inputs(&few);
-        found = wander(
-            &|x: &[f64]| hyper_objective(&inputs, &targets, x),
-            &found,
-            0.7,
-            HYPER_ITERATIONS,
-        )
-        .0;
-        let inverse = crate::training::methods::mi_nsgp::inputs(&frames)
-            .kernel(&hyper(&found))
-            .cholesky()?
-            .inverse();
+        let of_hyper = |x: &[f64]| hyper_objective(&few_inputs, &targets, x);
+        found = wander(&of_hyper, &found, FIRST_EDGE, HYPER_ITERATIONS).0;
+        let inverse = all_inputs.kernel(&hyper(&found)).cholesky()?.inverse();
         let function = |x: &[f64]| weight_objective(&frames, &inverse, &scales, x);
         log_w = tidy(descend(&function, &log_w, WEIGHT_ITERATIONS).0);
     }

@@ -1,0 +1,140 @@
+//! `ergopath train` from outside: the shipped demonstration again, and what it refuses.
+
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+#![allow(clippy::print_stdout, reason = "says when bytes differ")]
+
+use assert_cmd::Command;
+use ergopath::posture::load_model;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+const DEMONSTRATION: &str = "scenarios/demonstrations/simulated_operator.csv";
+const SHIPPED: &str = "models/posture/demo_operator.json";
+
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn train(recording: &Path, model: &Path) -> Command {
+    let mut command = Command::cargo_bin("ergopath").unwrap();
+    command.arg("train").arg(recording).args(["--body", "female_p50", "-o"]).arg(model);
+    command
+}
+
+/// Equal but for the rounding of another processor.
+fn close(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(x), Value::Number(y)) => {
+            let (x, y) = (x.as_f64().unwrap(), y.as_f64().unwrap());
+            (x - y).abs() <= 1e-6 * x.abs().max(y.abs()).max(1e-3)
+        }
+        (Value::Array(x), Value::Array(y)) => {
+            x.len() == y.len() && x.iter().zip(y).all(|(x, y)| close(x, y))
+        }
+        (Value::Object(x), Value::Object(y)) => {
+            x.len() == y.len()
+                && x.iter().all(|(key, v)| y.get(key).is_some_and(|other| close(v, other)))
+        }
+        _ => a == b,
+    }
+}
+
+#[test]
+fn the_shipped_model_is_trained_again_from_the_shipped_movements() {
+    let room = tempfile::tempdir().unwrap();
+    let (model, data) = (room.path().join("m.json"), room.path().join("d.csv"));
+    let run = train(&project(DEMONSTRATION), &model)
+        .args(["--name", "demo operator (simulated)", "--export"])
+        .arg(&data)
+        .assert()
+        .success();
+    let shown = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+    for word in
+        ["plain-ik", "w-ik", "full-w", "mi-nsgp", "relative RMSE", "by joint group", "simulated"]
+    {
+        assert!(shown.contains(word), "{word} is missing from\n{shown}");
+    }
+    let (own, shipped) = (
+        std::fs::read_to_string(&model).unwrap(),
+        std::fs::read_to_string(project(SHIPPED)).unwrap(),
+    );
+    if own != shipped {
+        // Another processor may round sums of products in another way.
+        println!("bytes differ; comparing numbers");
+        let [own, shipped] = [&own, &shipped].map(|t| serde_json::from_str::<Value>(t).unwrap());
+        assert!(close(&own, &shipped), "the shipped model is not the one that its movements make");
+    }
+    assert!(shipped.len() < 300_000);
+    let lines = std::fs::read_to_string(&data).unwrap();
+    assert!(lines.starts_with("q0,q1,") && lines.lines().next().unwrap().ends_with("train,traj"));
+    assert_eq!(room.path().read_dir().unwrap().count(), 2);
+}
+
+#[test]
+fn the_shipped_model_loads_and_says_that_it_is_simulated() {
+    let (model, _) = load_model("demo_operator", Path::new(".")).unwrap();
+    assert!(model.provenance.simulated);
+    assert_eq!(model.name, "demo operator (simulated)");
+    assert_eq!(model.joints.len(), 24);
+    assert!(model.attraction.is_some() && model.noise.factor.ncols() > 3);
+    let of = |name: &str| model.quality.iter().find(|q| q.method.name() == name).unwrap();
+    assert!(of("full-w").relative_rmse < of("plain-ik").relative_rmse);
+}
+
+#[test]
+fn json_is_for_machines() {
+    let room = tempfile::tempdir().unwrap();
+    let model = room.path().join("m.json");
+    let run = train(&project(DEMONSTRATION), &model)
+        .args(["--json", "--method", "mi-nsgp", "--no-attraction"])
+        .assert()
+        .success();
+    let shown: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    assert_eq!(shown["quality"].as_array().unwrap().len(), 4);
+    assert_eq!(shown["model"]["provenance"]["simulated"], true);
+    let (loaded, _) = load_model(model.to_str().unwrap(), Path::new(".")).unwrap();
+    assert!(loaded.gp.is_some() && loaded.attraction.is_none());
+}
+
+#[test]
+fn broken_input_ends_with_one_message_and_no_file() {
+    let room = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(project(DEMONSTRATION)).unwrap();
+    let row = text.lines().nth(40).unwrap();
+    let value = row.split(',').nth(9).unwrap();
+    let cases = [
+        ("truncated", text[..text.len() / 2 + 7].to_owned(), "is not a table"),
+        ("nan", text.replacen(row, &row.replacen(value, "NaN", 1), 1), "not a finite number"),
+        ("joint", text.replacen("jL5S1_Z_rad", "jL5S1_Q_rad", 1), "jL5S1_Q_rad"),
+        ("limit", text.replacen(row, &row.replacen(value, "3.1", 1), 1), "outside"),
+        ("empty", String::new(), "no rows"),
+        ("short", text.lines().take(25).collect::<Vec<_>>().join("\n"), "only 20 frames"),
+    ];
+    for (name, broken, expected) in cases {
+        let path = room.path().join(format!("{name}.csv"));
+        std::fs::write(&path, broken).unwrap();
+        refused(&mut train(&path, &room.path().join("m.json")), name, expected, room.path());
+    }
+    let good = project(DEMONSTRATION);
+    let model = room.path().join("m.json");
+    refused(&mut train(Path::new("none.csv"), &model), "missing", "no such file", room.path());
+    let twice = &mut train(&good, &model);
+    refused(twice.arg(&good), "twice", "given twice", room.path());
+    let person = &mut train(&good, &model);
+    refused(person.args(["--person", "ann"]), "person", "cannot be picked", room.path());
+    let mut command = Command::cargo_bin("ergopath").unwrap();
+    let body = command.arg("train").arg(&good).args(["--body", "female_50", "-o"]).arg(&model);
+    refused(body, "body", "female_p50", room.path());
+    let method = &mut train(&good, &model);
+    refused(method.args(["--method", "ful-w"]), "method", "full-w", room.path());
+}
+
+fn refused(command: &mut Command, name: &str, expected: &str, room: &Path) {
+    let run = command.assert().code(2);
+    // The message may be wrapped: compare without line breaks and margins.
+    let shown = String::from_utf8(run.get_output().stderr.clone()).unwrap();
+    let flat: Vec<&str> = shown.split(['\n', '│', ' ']).filter(|w| !w.is_empty()).collect();
+    assert!(flat.join(" ").contains(expected), "{name}: {shown}");
+    assert!(run.get_output().stdout.is_empty(), "{name}");
+    assert!(!room.join("m.json").exists(), "{name}");
+}
