@@ -7,7 +7,9 @@ use ergopath::human::{Body, Side};
 use ergopath::kinematics::{Frames, Linkage};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::math::{Pose, Vec3};
-use ergopath::posture::{Coupling, Hold, StartRule, roll_out, simulated_operator, start_postures};
+use ergopath::posture::{
+    Coupling, HandPath, Hold, StartRule, roll_out, simulated_operator, start_postures,
+};
 use nalgebra::UnitQuaternion;
 use std::hint::black_box;
 use std::path::Path;
@@ -32,18 +34,19 @@ fn rollouts(c: &mut Criterion) {
     let starts = start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 8);
     let noise = model.noise.path(&mut stream(1, Purpose::Posture, 1, 0), STEPS + 1, 0.04);
 
+    let path = HandPath::new(&coupling, &model, time, hands);
     let mut group = c.benchmark_group("posture");
     group.throughput(Throughput::Elements(STEPS as u64));
     group.bench_function("rollout of 100 steps, full W, attraction, noise", |b| {
         let mut r = 0;
         b.iter(|| {
             r = (r + 1) % starts.len();
-            roll_out(&coupling, &model, (&time, &hands), &starts[r], Some(&noise))
+            roll_out(&coupling, &model, &path, &starts[r], Some(&noise))
         });
     });
     group.throughput(Throughput::Elements(1));
     group.bench_function("one start posture", |b| {
-        b.iter(|| start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 1));
+        b.iter(|| start_postures(&coupling, &model.postures, &rule, path.start(), (1, 0), 1));
     });
     group.finish();
 }

@@ -17,6 +17,7 @@
 
 mod attraction;
 mod conditional;
+mod coupling;
 mod file;
 mod model;
 mod noise;
@@ -26,13 +27,14 @@ mod simulated;
 mod start;
 mod step;
 
-pub use attraction::{Attraction, HandFeatures};
+pub use attraction::{Attraction, HandFeatures, UsualPosture};
 pub use conditional::{Conditional, condition};
+pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, save_model};
 pub use model::{Method, MethodQuality, PostureDistribution, PostureModel, Provenance};
 pub use noise::{Noise, NoisePath, effective_speed};
 pub use null_space_gp::{GpHyper, GpInputs, NullSpaceGp};
-pub use rollout::{Coupling, Hold, Observation, Rollout, roll_out};
+pub use rollout::{HandPath, Rollout, roll_out};
 pub use simulated::simulated_operator;
 pub use start::{Start, StartRule, start_postures};
 pub use step::{ReachExceeded, StepSolver};

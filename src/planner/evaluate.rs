@@ -9,7 +9,7 @@ use crate::files::InputError;
 use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::math::stream::{Purpose, stream};
-use crate::posture::{Coupling, NoisePath, Rollout, Start, roll_out, start_postures};
+use crate::posture::{Coupling, HandPath, NoisePath, Rollout, Start, roll_out, start_postures};
 use crate::robot::stick;
 use crate::scenario::{OtherArm, Scenario};
 use crate::trajectory::TimedPath;
@@ -39,6 +39,7 @@ pub(super) struct Walk {
 pub(super) struct Walks {
     pub walks: Vec<Walk>,
     pub dt: f64,
+    pub extrapolation_share: f64,
 }
 
 impl<'a> Person<'a> {
@@ -69,13 +70,13 @@ impl<'a> Person<'a> {
     /// `count` people along a path. The same (seed, block) means the same people on every path.
     pub(super) fn walk(&self, path: &TimedPath, (seed, block): (u64, u32), count: usize) -> Walks {
         let model = &self.scenario.worker.model;
-        let targets = self.targets(path);
+        let hand = HandPath::new(&self.coupling, model, path.time_s.clone(), self.targets(path));
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
         let starts = start_postures(
             &self.coupling,
             &model.postures,
             &self.scenario.worker.start_rule,
-            &targets[0],
+            hand.start(),
             (seed, block),
             count,
         );
@@ -84,14 +85,13 @@ impl<'a> Person<'a> {
             .enumerate()
             .map(|(r, start)| {
                 let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
-                let noise: NoisePath = model.noise.path(&mut rng, targets.len(), dt);
-                let way = (path.time_s.as_slice(), targets.as_slice());
-                let rollout = roll_out(&self.coupling, model, way, &start, Some(&noise));
+                let noise: NoisePath = model.noise.path(&mut rng, hand.len(), dt);
+                let rollout = roll_out(&self.coupling, model, &hand, &start, Some(&noise));
                 let angles = rollout.q.iter().map(|q| self.surveyor.measure(q)).collect();
                 Walk { rollout, angles, start }
             })
             .collect();
-        Walks { walks, dt }
+        Walks { walks, dt, extrapolation_share: hand.extrapolation_share() }
     }
 
     /// The mean posture and the robot at a few moments, for drawings.
@@ -206,7 +206,7 @@ impl Walks {
             hand_residual_max_mm: 1e3 * largest(of(|r| r.max_residual_m)),
             hand_residual_rms_mm: 1e3 * mean(&squares).sqrt(),
             hand_residual_max_deg: largest(of(|r| r.max_residual_rad)).to_degrees(),
-            extrapolation_share: mean(&of(|r| r.extrapolation_share)),
+            extrapolation_share: self.extrapolation_share,
             unusual_starts: self.walks.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
             start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
             parts: self.parts(lens),

@@ -171,6 +171,11 @@ impl Attraction {
         self.rate
     }
 
+    /// The person's mean orientation of the hand, in the pelvis frame.
+    pub fn usual_orientation(&self) -> &UnitQuaternion<f64> {
+        &self.features.reference
+    }
+
     /// Number of training postures behind the regression.
     pub fn sample_count(&self) -> usize {
         self.inputs.len()

@@ -7,17 +7,16 @@
 //! ```
 //! Steps are at most 8 mm and 2 deg of hand travel. All poses are of the grip in the pelvis frame.
 
+use super::attraction::UsualPosture;
+use super::coupling::Coupling;
 use super::model::PostureModel;
 use super::noise::NoisePath;
 use super::start::Start;
 use super::step::{ReachExceeded, StepSolver};
-use crate::files::InputError;
-use crate::human::{Body, PostureLimits, Side};
-use crate::kinematics::{Frames, Linkage};
+use crate::kinematics::Frames;
+use crate::math::Pose;
 use crate::math::pose::{interpolate, pose_error};
-use crate::math::{Pose, Vec3, Vec6};
-use nalgebra::{DMatrix, DVector, Matrix6xX, UnitQuaternion};
-use serde::{Deserialize, Serialize};
+use nalgebra::{DMatrix, DVector};
 
 /// Longest step of the hand, m and rad (2 deg).
 const STEP_M: f64 = 0.008;
@@ -28,129 +27,54 @@ const END_BEYOND_M: f64 = 1e-3;
 /// Largest change of a joint in one step, rad; more means the arm is about to lose the path.
 const LARGEST_JOINT_STEP: f64 = 0.6;
 
-/// Which motions of the hand the robot prescribes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Hold {
-    /// Position and orientation: 6 rows.
-    Rigid,
-    /// All but the rotation about the held bar (grip z): 5 rows.
-    FreeRoll,
-    /// Position only: 3 rows.
-    Point,
-}
-
-impl Hold {
-    /// Number of task rows.
-    pub fn rows(self) -> usize {
-        match self {
-            Self::Rigid => 6,
-            Self::FreeRoll => 5,
-            Self::Point => 3,
-        }
-    }
-}
-
-/// A body whose hand is coupled to the robot.
+/// A hand path as a person meets it: grip poses in the pelvis frame, and the usual posture at each.
+///
+/// The usual posture depends on the path and the model only, so all rollouts share it.
 #[derive(Debug, Clone)]
-pub struct Coupling {
-    arm: Linkage,
-    limits: PostureLimits,
-    hold: Hold,
-    stature_m: f64,
+pub struct HandPath {
+    time_s: Vec<f64>,
+    targets: Vec<Pose>,
+    usual: Vec<UsualPosture>,
 }
 
-/// Where the hand is and how the joints move it.
-#[derive(Debug, Clone)]
-pub struct Observation {
-    /// Grip pose in the pelvis frame.
-    pub pose: Pose,
-    /// Task Jacobian, m x n.
-    pub jacobian: DMatrix<f64>,
-}
-
-impl Coupling {
-    /// Couples a body's hand.
-    pub fn new(body: &Body, side: Side, hold: Hold) -> Result<Self, InputError> {
-        let arm = body.arm(side)?;
-        let limits = body.limits(&arm);
-        Ok(Self { arm, limits, hold, stature_m: body.size.stature_m })
+impl HandPath {
+    /// For times (s) and as many grip poses in the pelvis frame.
+    pub fn new(
+        coupling: &Coupling,
+        model: &PostureModel,
+        time_s: Vec<f64>,
+        targets: Vec<Pose>,
+    ) -> Self {
+        let usual = model.attraction.as_ref().map_or_else(Vec::new, |a| {
+            let at = |t: &Pose| {
+                a.usual_posture(&coupling.looked_up(t, a.usual_orientation()), coupling.stature_m())
+            };
+            targets.iter().map(at).collect()
+        });
+        Self { time_s, targets, usual }
     }
 
-    /// Number of joints of the chain, n.
-    pub fn dof(&self) -> usize {
-        self.arm.dof()
+    /// The grip at the start.
+    pub fn start(&self) -> &Pose {
+        &self.targets[0]
     }
 
-    /// Names of the joints, in order.
-    pub fn joints(&self) -> impl Iterator<Item = &str> {
-        self.arm.joints().iter().map(|j| j.name.as_str())
+    /// Number of samples, T+1.
+    pub fn len(&self) -> usize {
+        self.targets.len()
     }
 
-    /// Limits of the chain.
-    pub fn limits(&self) -> &PostureLimits {
-        &self.limits
+    /// Never true: a path has a start.
+    pub fn is_empty(&self) -> bool {
+        self.targets.is_empty()
     }
 
-    /// Stature of the body, m.
-    pub fn stature_m(&self) -> f64 {
-        self.stature_m
+    /// Share of the samples that the training data do not support (confidence below one half); 0
+    /// without an attraction.
+    pub fn extrapolation_share(&self) -> f64 {
+        let low = self.usual.iter().filter(|u| u.confidence < 0.5).count();
+        low as f64 / self.usual.len().max(1) as f64
     }
-
-    /// Pose of the grip and the task Jacobian at `q` (n, rad).
-    pub fn observe(&self, q: &DVector<f64>, frames: &mut Frames) -> Observation {
-        self.arm.forward(q.as_slice(), frames);
-        let full = self.arm.jacobian(frames, 0);
-        let pose = self.arm.tip_pose(frames, 0);
-        Observation { jacobian: self.task_rows(&full, &pose), pose }
-    }
-
-    fn task_rows(&self, full: &Matrix6xX<f64>, pose: &Pose) -> DMatrix<f64> {
-        let mut rows = DMatrix::zeros(self.hold.rows(), full.ncols());
-        rows.rows_mut(0, 3).copy_from(&full.fixed_rows::<3>(0));
-        match self.hold {
-            Hold::Rigid => rows.rows_mut(3, 3).copy_from(&full.fixed_rows::<3>(3)),
-            Hold::FreeRoll => {
-                let angular = full.fixed_rows::<3>(3);
-                for (i, axis) in grip_cross_axes(pose).iter().enumerate() {
-                    rows.row_mut(3 + i).copy_from(&(axis.transpose() * angular));
-                }
-            }
-            Hold::Point => {}
-        }
-        rows
-    }
-
-    /// What the task prescribes of a twist or pose error given in base axes.
-    fn task_part(&self, twist: &Vec6, pose: &Pose) -> DVector<f64> {
-        let mut part = vec![twist[0], twist[1], twist[2]];
-        let angular = Vec3::new(twist[3], twist[4], twist[5]);
-        match self.hold {
-            Hold::Rigid => part.extend_from_slice(angular.as_slice()),
-            Hold::FreeRoll => part.extend(grip_cross_axes(pose).iter().map(|a| a.dot(&angular))),
-            Hold::Point => {}
-        }
-        DVector::from_vec(part)
-    }
-
-    /// Error from one grip pose to another in task rows: m, then rad.
-    ///
-    /// With a free roll the angular part is the rotation that aligns the grip's z axes.
-    pub fn task_error(&self, from: &Pose, to: &Pose) -> DVector<f64> {
-        let mut error = pose_error(from, to);
-        if self.hold == Hold::FreeRoll {
-            let (a, b) = (from.rotation * Vec3::z(), to.rotation * Vec3::z());
-            let turn =
-                UnitQuaternion::rotation_between(&a, &b).map_or(Vec3::zeros(), |r| r.scaled_axis());
-            error.fixed_rows_mut::<3>(3).copy_from(&turn);
-        }
-        self.task_part(&error, from)
-    }
-}
-
-/// The grip's x and y axes, about which the bar prescribes the rotation.
-fn grip_cross_axes(pose: &Pose) -> [Vec3; 2] {
-    [pose.rotation * Vec3::x(), pose.rotation * Vec3::y()]
 }
 
 /// One sampled person along one path.
@@ -167,9 +91,6 @@ pub struct Rollout {
     pub rms_residual_m: f64,
     /// Largest angle between hand and path, rad (of the prescribed rotations).
     pub max_residual_rad: f64,
-    /// Share of the samples at which the training data do not support the posture model (confidence
-    /// below one half); 0 without an attraction.
-    pub extrapolation_share: f64,
 }
 
 /// Walks one person along a path of grip poses (pelvis frame) at times `time_s`.
@@ -178,18 +99,19 @@ pub struct Rollout {
 pub fn roll_out(
     coupling: &Coupling,
     model: &PostureModel,
-    (time_s, targets): (&[f64], &[Pose]),
+    path: &HandPath,
     start: &Start,
     noise: Option<&NoisePath>,
 ) -> Rollout {
     let mut walk = Walk {
         coupling,
         model,
+        usual: &path.usual,
         solver: StepSolver::new(model.weight.clone()),
         frames: Frames::default(),
         q: start.q.clone().unwrap_or_else(|| model.postures.mean.clone()),
-        low_confidence: 0,
     };
+    let HandPath { time_s, targets, .. } = path;
     let mut q = vec![walk.q.clone()];
     let mut reach_exceeded_at = start.q.is_none().then_some(0);
     let (mut max_m, mut sum_sq, mut max_rad) = (0.0f64, 0.0, 0.0f64);
@@ -216,7 +138,6 @@ pub fn roll_out(
         max_residual_m: max_m,
         rms_residual_m: (sum_sq / reached as f64).sqrt(),
         max_residual_rad: max_rad,
-        extrapolation_share: f64::from(walk.low_confidence) / reached as f64,
     }
 }
 
@@ -231,10 +152,10 @@ struct Leg {
 struct Walk<'a> {
     coupling: &'a Coupling,
     model: &'a PostureModel,
+    usual: &'a [UsualPosture],
     solver: StepSolver,
     frames: Frames,
     q: DVector<f64>,
-    low_confidence: u32,
 }
 
 impl Walk<'_> {
@@ -257,23 +178,29 @@ impl Walk<'_> {
             let now = self.coupling.observe(&self.q, &mut self.frames);
             let twist = pose_error(&now.pose, &target) / h;
             let task = self.coupling.task_error(&now.pose, &target) / h;
-            let mut preferred = DVector::zeros(self.q.len());
-            if let Some(attraction) = &self.model.attraction {
-                let usual = attraction.usual_posture(&now.pose, self.coupling.stature_m);
-                preferred = (usual.posture - &self.q) * (attraction.rate() * usual.confidence);
-                self.low_confidence += u32::from(step == 0 && usual.confidence < 0.5);
-            }
+            let done = step as f64 / steps as f64;
+            let mut preferred = self.pull(leg.index, done);
             if let Some(gp) = &self.model.gp {
                 preferred += gp.mean(self.q.as_slice(), twist.as_slice());
             }
             if let Some(noise) = noise {
-                let at = noise.at(leg.index, step as f64 / steps as f64);
+                let at = noise.at(leg.index, done);
                 preferred += at * self.model.noise.speed(twist.as_slice());
             }
             self.step(&now.jacobian, &task, &preferred, h)?;
             error = self.correct(&target)?;
         }
         Ok(error)
+    }
+
+    /// lambda c(x) (m(x) - q), between two samples of the path.
+    fn pull(&self, index: usize, part: f64) -> DVector<f64> {
+        let (Some(attraction), Some(a)) = (&self.model.attraction, self.usual.get(index)) else {
+            return DVector::zeros(self.q.len());
+        };
+        let b = self.usual.get(index + 1).unwrap_or(a);
+        let confidence = a.confidence + part * (b.confidence - a.confidence);
+        (a.posture.lerp(&b.posture, part) - &self.q) * (attraction.rate() * confidence)
     }
 
     fn step(

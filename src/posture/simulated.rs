@@ -6,9 +6,9 @@
 //! low and far places; and correlated noise. All numbers here are inventions.
 
 use super::attraction::Attraction;
+use super::coupling::{Coupling, Hold};
 use super::model::{Method, PostureDistribution, PostureModel, Provenance};
 use super::noise::Noise;
-use super::rollout::{Coupling, Hold};
 use super::start::{StartRule, start_postures};
 use crate::files::InputError;
 use crate::human::{Body, Side};
@@ -193,7 +193,7 @@ pub(super) fn grip_orientation(side: Side) -> nalgebra::UnitQuaternion<f64> {
 mod tests {
     use super::*;
     use crate::math::stream::{Purpose, stream};
-    use crate::posture::roll_out;
+    use crate::posture::{HandPath, roll_out};
 
     fn lift() -> (Vec<f64>, Vec<Pose>) {
         let hand = |s: f64| {
@@ -226,7 +226,8 @@ mod tests {
                 assert!(coupling.limits().violation(q.as_slice()) < 1e-9);
                 let mut rng = stream(1, Purpose::Posture, 1, r as u32);
                 let noise = model.noise.path(&mut rng, time.len(), 0.04);
-                let rollout = roll_out(&coupling, &model, (&time, &hands), start, Some(&noise));
+                let path = HandPath::new(&coupling, &model, time.clone(), hands.clone());
+                let rollout = roll_out(&coupling, &model, &path, start, Some(&noise));
                 assert_eq!(rollout.reach_exceeded_at, None, "{name} {r}");
                 assert!(rollout.max_residual_m < 2.1e-4, "{}", rollout.max_residual_m);
                 for q in &rollout.q {
@@ -247,11 +248,13 @@ mod tests {
         let spread = |every: usize| {
             let t: Vec<f64> = time.iter().copied().step_by(every).collect();
             let h: Vec<Pose> = hands.iter().copied().step_by(every).collect();
+            let count = t.len();
+            let path = HandPath::new(&coupling, &model, t, h);
             let ends: Vec<DVector<f64>> = (0..400)
                 .map(|r| {
                     let mut rng = stream(2, Purpose::Posture, 0, r);
-                    let noise = model.noise.path(&mut rng, t.len(), 0.04 * every as f64);
-                    roll_out(&coupling, &model, (&t, &h), &starts[0], Some(&noise)).q.pop().unwrap()
+                    let noise = model.noise.path(&mut rng, count, 0.04 * every as f64);
+                    roll_out(&coupling, &model, &path, &starts[0], Some(&noise)).q.pop().unwrap()
                 })
                 .collect();
             let mean = ends.iter().sum::<DVector<f64>>() / 400.0;
@@ -272,8 +275,10 @@ mod tests {
         }
         let starts =
             start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 1);
-        let rollout = roll_out(&coupling, &model, (&time, &hands), &starts[0], None);
+        let count = hands.len();
+        let path = HandPath::new(&coupling, &model, time, hands);
+        let rollout = roll_out(&coupling, &model, &path, &starts[0], None);
         assert!(rollout.reach_exceeded_at.is_some_and(|k| k > 10));
-        assert_eq!(rollout.q.len(), hands.len());
+        assert_eq!(rollout.q.len(), count);
     }
 }

@@ -6,8 +6,8 @@
 //! Each iteration is one step of [`StepSolver`] with weight `S`, preferred velocity `q* - q` and unit
 //! time: the Gauss-Newton step of that problem, with its bounds.
 
+use super::coupling::Coupling;
 use super::model::PostureDistribution;
-use super::rollout::Coupling;
 use super::step::StepSolver;
 use crate::kinematics::Frames;
 use crate::math::Pose;
