@@ -16,7 +16,9 @@ pub struct TrainSettings {
     pub has_attraction: bool,
     /// Rate of that pull, 1/s.
     pub attraction_rate_per_s: f64,
-    /// Its length-scale in standard deviations of the hand's features.
+    /// Its length-scale in standard deviations of the hand's features. Mean path error over six
+    /// folds of two people (time splits at 60 and 70 %, blocks): 3.70, 3.80, 3.69, 3.58 deg for 0.5,
+    /// 1, 2, 3; over the blocks alone 2.22, 1.90, 1.64, 1.64 deg, and 2.41 without a pull.
     pub attraction_length: f64,
     /// Its noise variance over signal variance.
     pub attraction_noise: f64,
