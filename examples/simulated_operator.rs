@@ -14,7 +14,7 @@ use ergopath::math::pose::{interpolate, rotation_from_axes};
 use ergopath::math::stream::{Purpose, normals, stream};
 use ergopath::math::{Pose, Vec3};
 use ergopath::posture::{
-    Coupling, Hold, PostureModel, StartRule, roll_out, simulated_operator, start_postures,
+    Coupling, HandPath, Hold, PostureModel, StartRule, roll_out, simulated_operator, start_postures,
 };
 use ergopath::training::motion_text;
 use nalgebra::UnitQuaternion;
@@ -110,7 +110,8 @@ fn reach(
         start_postures(coupling, &operator.postures, &StartRule::Sampled, &from, (SEED, draw), 1);
     let start = starts.first().filter(|s| s.q.is_some() && !s.is_unusual)?;
     let noise = operator.noise.path(&mut rng, times.len(), 1.0 / RATE_HZ);
-    let rollout = roll_out(coupling, operator, (&times, &hands), start, Some(&noise));
+    let path = HandPath::new(coupling, operator, times.clone(), hands);
+    let rollout = roll_out(coupling, operator, &path, start, Some(&noise));
     if rollout.reach_exceeded_at.is_some() {
         return None;
     }

@@ -18,7 +18,7 @@ use super::train::bare_model;
 use crate::files::InputError;
 use crate::math::Pose;
 use crate::math::redundancy::null_space_basis;
-use crate::posture::{Attraction, Method, MethodQuality, Start, roll_out};
+use crate::posture::{Attraction, HandPath, Method, MethodQuality, Start, roll_out};
 use nalgebra::{DMatrix, DVector};
 
 /// Floor of the residual standard deviation in every null direction, rad/s.
@@ -134,8 +134,9 @@ pub fn path_error_deg(
     for run in runs(test) {
         let time: Vec<f64> = run.iter().map(|f| f.time_s).collect();
         let hands: Vec<Pose> = run.iter().map(|f| f.hand).collect();
+        let path = HandPath::new(&dataset.coupling, &model, time, hands);
         let start = Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false };
-        let rollout = roll_out(&dataset.coupling, &model, (&time, &hands), &start, None);
+        let rollout = roll_out(&dataset.coupling, &model, &path, &start, None);
         for (q, frame) in rollout.q.iter().zip(&run) {
             let square = (q - &frame.q).norm_squared() / q.len() as f64;
             sum += square.sqrt().to_degrees();
