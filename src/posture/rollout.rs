@@ -171,12 +171,13 @@ impl Walk<'_> {
             .ceil()
             .clamp(1.0, 200.0) as usize;
         let h = leg.span / steps as f64;
+        // The path's own velocity: the hand's may differ in what the robot does not prescribe.
+        let twist = travel / leg.span;
         let mut error = DVector::zeros(0);
         for step in 0..steps {
             let part = (step + 1) as f64 / steps as f64;
             let target = interpolate(&leg.from, &leg.to, part);
             let now = self.coupling.observe(&self.q, &mut self.frames);
-            let twist = pose_error(&now.pose, &target) / h;
             let task = self.coupling.task_error(&now.pose, &target) / h;
             let done = step as f64 / steps as f64;
             let mut preferred = self.pull(leg.index, done);

@@ -208,10 +208,16 @@ mod tests {
 
     #[test]
     fn rollouts_keep_hand_and_limits() {
-        for name in ["female_p05", "male_p95"] {
+        // What the robot leaves free must not drift off and take the arm to its limits.
+        for (name, hold) in [
+            ("female_p05", Hold::Rigid),
+            ("male_p95", Hold::Rigid),
+            ("female_p50", Hold::FreeRoll),
+            ("male_p50", Hold::Point),
+        ] {
             let body = Body::load(name, std::path::Path::new(".")).unwrap();
             let model = simulated_operator(&body, Side::Right).unwrap();
-            let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+            let coupling = Coupling::new(&body, Side::Right, hold).unwrap();
             let (time, hands) = lift();
             let starts = start_postures(
                 &coupling,
