@@ -139,10 +139,6 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
         }
         let middle = 0.5 * (left + right);
         sheet.text("share (%)", (middle, bottom + 58.0), Type::plain(LABEL), Anchor::Middle)?;
-        if view.reported.is_empty() {
-            let text = "no path was scored";
-            sheet.text(text, (middle, top + 30.0), Type::plain(LABEL), Anchor::Middle)?;
-        }
         for (i, candidate) in view.reported.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
             level_bar(sheet, candidate, y, &along)?;
@@ -206,14 +202,7 @@ pub(super) fn parts(view: &View) -> Result<Vec<u8>, ReportError> {
             keys.push(Key::Field(tint(MUTED, 0.35), "straight path".into()));
         }
         legend(sheet, (230.0, 36.0), 1300.0, &keys)?;
-        let Some(lead) = lead else {
-            return sheet.text(
-                "no path was scored",
-                (800.0, top),
-                Type::plain(LABEL),
-                Anchor::Middle,
-            );
-        };
+        let Some(lead) = lead else { return Ok(()) };
         for (i, part) in lead.parts.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
             sheet.text(part.part, (232.0, y), Type::plain(LABEL), Anchor::Right)?;
