@@ -144,11 +144,11 @@ fn verdict(view: &View) -> Markup {
         (list(&result.verdict.lines))
         (heaviest(view))
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
-        p.note {
+        @if view.lead.is_some() { p.note {
             "90 % band: nine of ten repetitions lie within. Standard error: how far the mean itself may \
              be off because only " (rollouts(view)) " repetitions were simulated. Action level 3 of RULA \
              (score 5 or more) means: look further and change soon."
-        }
+        } }
     }
 }
 
