@@ -100,7 +100,7 @@ pub(super) fn document(title: &str, intro: &Markup, body: &Markup) -> String {
                 a.skip href="#main" { "Skip to the content" }
                 header.top { (intro) }
                 main id="main" { (body) }
-                footer { "Made by ergopath. Figures and tables stand beside this page as PNG and CSV files." }
+                footer { "Made by ergopath. The same numbers stand beside this page as files." }
             }
         }
     }
@@ -143,12 +143,35 @@ fn verdict(view: &View) -> Markup {
         }
         (list(&result.verdict.lines))
         (heaviest(view))
+        @if let Some(body) = view.lead.and_then(|l| view.scores(l)) { (doubts(body)) }
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
         @if view.lead.is_some() { p.note {
             "90 % band: nine of ten repetitions lie within. Standard error: how far the mean itself may \
              be off because only " (rollouts(view)) " repetitions were simulated. Action level 3 of RULA \
              (score 5 or more) means: look further and change soon."
         } }
+    }
+}
+
+/// Share of the samples from which a doubt is raised beside the verdict.
+const DOUBTFUL: f64 = 0.1;
+
+/// What should make the reader doubt the figures of a body.
+fn doubts(body: &BodyScores) -> Markup {
+    html! {
+        @if body.extrapolation_share > DOUBTFUL {
+            p.warning {
+                strong { "Warning: " } (percent(body.extrapolation_share))
+                " of the samples lie beyond the data on which the posture model was trained; there it extrapolates."
+            }
+        }
+        @if body.unusual_starts > DOUBTFUL {
+            p.warning {
+                strong { "Warning: " } (percent(body.unusual_starts))
+                " of the start postures are unusual for the training data: the start may be out of the \
+                 comfortable reach, or the worker placed wrongly."
+            }
+        }
     }
 }
 

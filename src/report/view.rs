@@ -142,7 +142,9 @@ pub(super) fn change(value: f64) -> String {
 
 /// A physical value: four decimals, or powers of ten where these would show nothing.
 pub(super) fn value(value: f64) -> String {
-    if value == 0.0 {
+    if !value.is_finite() {
+        "unknown".to_owned()
+    } else if value == 0.0 {
         "0".to_owned()
     } else if value.abs() < 1e-4 {
         format!("{value:.1e}").replace('-', "\u{2212}")
