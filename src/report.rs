@@ -24,7 +24,7 @@ mod tables;
 mod tests;
 mod view;
 
-//pub use comparison::{ComparisonRow, Difference, RowState, comparison};
+pub use comparison::{ComparisonRow, Difference, RowState, comparison};
 
 use crate::planner::RunResult;
 use thiserror::Error;
@@ -61,17 +61,22 @@ pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> 
             files.push((format!("paths/{rank}.csv"), tables::path(path)?));
         }
     }
-    let figures = page::Figures {
-        paths: figure_paths::paths(&view)?,
-        over_time: figure_scores::over_time(&view)?,
-        levels: figure_scores::levels(&view)?,
-        parts: figure_scores::parts(&view)?,
-    };
+    // Without a scored path there is only the cell to draw.
+    let scores = view.lead.map(|_| -> Result<_, ReportError> {
+        Ok(page::ScoreFigures {
+            over_time: figure_scores::over_time(&view)?,
+            levels: figure_scores::levels(&view)?,
+            parts: figure_scores::parts(&view)?,
+        })
+    });
+    let figures = page::Figures { paths: figure_paths::paths(&view)?, scores: scores.transpose()? };
     files.push(("report.html".to_owned(), page::report(&view, &figures).into_bytes()));
     files.push(("figures/paths.png".to_owned(), figures.paths));
-    files.push(("figures/rula_over_time.png".to_owned(), figures.over_time));
-    files.push(("figures/levels.png".to_owned(), figures.levels));
-    files.push(("figures/parts.png".to_owned(), figures.parts));
+    if let Some(scores) = figures.scores {
+        files.push(("figures/rula_over_time.png".to_owned(), scores.over_time));
+        files.push(("figures/levels.png".to_owned(), scores.levels));
+        files.push(("figures/parts.png".to_owned(), scores.parts));
+    }
     Ok(files)
 }
 

@@ -148,11 +148,11 @@ fn keys(view: &View) -> Vec<Key> {
         keys.push(Key::Line(bone_pen(false), "person at the start (mean posture)".into()));
     }
     if goal.is_some_and(|p| !p.bones.is_empty()) {
-        keys.push(Key::Line(bone_pen(true), "at the goal".into()));
+        keys.push(Key::Line(bone_pen(true), "person at the goal".into()));
     }
     if start.is_some_and(|p| !p.robot.is_empty()) {
         keys.push(Key::Line(robot_pen(false), "robot at the start".into()));
-        keys.push(Key::Line(robot_pen(true), "at the goal".into()));
+        keys.push(Key::Line(robot_pen(true), "robot at the goal".into()));
     }
     if !view.result.setting.obstacles.is_empty() {
         keys.push(Key::Field(OBSTACLE, "obstacle (bounding box)".into()));
@@ -179,8 +179,9 @@ fn draw(sheet: &Sheet, view: &View, look: Look, panel: &Panel) -> Drawn {
     for (_, low, high) in &setting.obstacles {
         let (low, high) = look.bounds(*low, *high);
         if let Some((a, b)) = panel.clipped(low, high) {
-            sheet.fill(a, b, OBSTACLE)?;
-            sheet.outline(a, b, FAINT, 1.5)?;
+            // See-through, so that one box in front of another stays visible.
+            sheet.shape(&[a, (b.0, a.1), b, (a.0, b.1)], FAINT, 0.4)?;
+            sheet.outline(a, b, MUTED, 1.5)?;
         }
     }
     panel.grid(sheet)?;
@@ -191,6 +192,8 @@ fn draw(sheet: &Sheet, view: &View, look: Look, panel: &Panel) -> Drawn {
             // Inside the box near its lower edge, if it is wide enough for its name.
             if sheet.width(name, kind) + 20.0 < b.0 - a.0 && b.1 - a.1 > 36.0 {
                 sheet.text(name, (b.0 - 10.0, b.1 - 20.0), kind, Anchor::Right)?;
+            } else if a.1 - 30.0 > panel.y_px.0 {
+                sheet.text(name, (0.5 * (a.0 + b.0), a.1 - 16.0), kind, Anchor::Middle)?;
             }
         }
     }

@@ -35,7 +35,13 @@ pub(super) fn over_time(view: &View) -> Result<Vec<u8>, ReportError> {
         let keys: Vec<Key> = compared
             .iter()
             .rev()
-            .map(|(pen, name, _)| Key::Band(*pen, format!("{name}: mean, 5th to 95th percentile")))
+            .map(|(pen, name, c)| {
+                if view.lead.is_some_and(|l| l.id == c.id) {
+                    Key::Band(*pen, format!("{name}: mean, 5th to 95th percentile"))
+                } else {
+                    Key::Line(*pen, format!("{name}: mean; thin: 5th, 95th"))
+                }
+            })
             .collect();
         let top = legend(sheet, (110.0, 36.0), 1460.0, &keys)? + 86.0;
         let ends = compared.iter().filter_map(|(_, _, c)| c.path.as_ref()?.time_s.last().copied());
@@ -101,12 +107,13 @@ fn curve(
         path.time_s.iter().zip(values).map(|(t, v)| panel.at(*t, *v)).collect()
     };
     let (low, high) = (points(&band.p05), points(&band.p95));
+    // Only the lead's band is filled: several filled bands on one ground cannot be told apart.
     let around: Vec<_> = low.iter().chain(high.iter().rev()).copied().collect();
-    if around.len() > 2 {
-        sheet.shape(&around, pen.color, 0.2)?;
+    if around.len() > 2 && view.lead.is_some_and(|l| l.id == candidate.id) {
+        sheet.shape(&around, pen.color, 0.22)?;
     }
     for edge in [low, high] {
-        sheet.line(&edge, Pen { width: 1.0, stroke: Stroke::Solid, ..pen })?;
+        sheet.line(&edge, Pen { width: 1.3, ..pen })?;
     }
     sheet.line(&points(&band.mean), pen)
 }
@@ -139,10 +146,6 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
         }
         let middle = 0.5 * (left + right);
         sheet.text("share (%)", (middle, bottom + 58.0), Type::plain(LABEL), Anchor::Middle)?;
-        if view.reported.is_empty() {
-            let text = "no path was scored";
-            sheet.text(text, (middle, top + 30.0), Type::plain(LABEL), Anchor::Middle)?;
-        }
         for (i, candidate) in view.reported.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
             level_bar(sheet, candidate, y, &along)?;
@@ -206,14 +209,7 @@ pub(super) fn parts(view: &View) -> Result<Vec<u8>, ReportError> {
             keys.push(Key::Field(tint(MUTED, 0.35), "straight path".into()));
         }
         legend(sheet, (230.0, 36.0), 1300.0, &keys)?;
-        let Some(lead) = lead else {
-            return sheet.text(
-                "no path was scored",
-                (800.0, top),
-                Type::plain(LABEL),
-                Anchor::Middle,
-            );
-        };
+        let Some(lead) = lead else { return Ok(()) };
         for (i, part) in lead.parts.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
             sheet.text(part.part, (232.0, y), Type::plain(LABEL), Anchor::Right)?;

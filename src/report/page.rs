@@ -6,6 +6,7 @@ use super::style::{RULA_LEVELS, css};
 use super::view::{View, change, percent, score};
 use crate::ergonomics::{P_AT_LEAST_S, rula_action_level, rula_action_words};
 use crate::planner::BodyScores;
+use crate::scenario::Origin;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -17,6 +18,12 @@ pub(super) const CSS: &str = include_str!("page.css");
 #[derive(Debug, Clone)]
 pub(super) struct Figures {
     pub paths: Vec<u8>,
+    pub scores: Option<ScoreFigures>,
+}
+
+/// The figures that need a scored path.
+#[derive(Debug, Clone)]
+pub(super) struct ScoreFigures {
     pub over_time: Vec<u8>,
     pub levels: Vec<u8>,
     pub parts: Vec<u8>,
@@ -48,7 +55,7 @@ pub(super) fn report(view: &View, figures: &Figures) -> String {
         levels(view, figures),
         scores::variants(view),
         paths(view, figures),
-        curves(view, figures),
+        curves(figures),
         parts(view, figures),
         scores::bodies(view),
         evidence::inputs(view),
@@ -93,7 +100,7 @@ pub(super) fn document(title: &str, intro: &Markup, body: &Markup) -> String {
                 a.skip href="#main" { "Skip to the content" }
                 header.top { (intro) }
                 main id="main" { (body) }
-                footer { "Made by ergopath. Figures and tables stand beside this page as PNG and CSV files." }
+                footer { "Made by ergopath. The same numbers stand beside this page as files." }
             }
         }
     }
@@ -135,11 +142,50 @@ fn verdict(view: &View) -> Markup {
             (keys(view, body))
         }
         (list(&result.verdict.lines))
+        (heaviest(view))
+        @if let Some(body) = view.lead.and_then(|l| view.scores(l)) { (doubts(body)) }
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
-        p.note {
+        @if view.lead.is_some() { p.note {
             "90 % band: nine of ten repetitions lie within. Standard error: how far the mean itself may \
              be off because only " (rollouts(view)) " repetitions were simulated. Action level 3 of RULA \
              (score 5 or more) means: look further and change soon."
+        } }
+    }
+}
+
+/// Share of the samples from which a doubt is raised beside the verdict.
+const DOUBTFUL: f64 = 0.1;
+
+/// What should make the reader doubt the figures of a body.
+fn doubts(body: &BodyScores) -> Markup {
+    html! {
+        @if body.extrapolation_share > DOUBTFUL {
+            p.warning {
+                strong { "Warning: " } (percent(body.extrapolation_share))
+                " of the samples lie beyond the data on which the posture model was trained; there it extrapolates."
+            }
+        }
+        @if body.unusual_starts > DOUBTFUL {
+            p.warning {
+                strong { "Warning: " } (percent(body.unusual_starts))
+                " of the start postures are unusual for the training data: the start may be out of the \
+                 comfortable reach, or the worker placed wrongly."
+            }
+        }
+    }
+}
+
+/// The assumption that moves the expected RULA most, if any moves it.
+fn heaviest(view: &View) -> Markup {
+    let assumed = view.result.inputs.iter().filter(|i| i.origin == Origin::Assumed);
+    let changes = assumed.filter_map(|i| i.if_changed.as_ref().map(|c| (i, c)));
+    let most = changes.max_by(|a, b| a.1.rula.abs().total_cmp(&b.1.rula.abs()));
+    html! {
+        @if let Some((input, to)) = most.filter(|(_, c)| c.rula.abs() >= 0.005) {
+            p {
+                "The assumption that weighs most: " (input.input) ", " (input.value) ". If it were "
+                (to.to) ", expected RULA would change by " (change(to.rula)) " and REBA by " (change(to.reba)) "."
+            }
         }
     }
 }
@@ -191,7 +237,7 @@ fn keys(view: &View, body: &BodyScores) -> Markup {
 }
 
 fn levels(view: &View, figures: &Figures) -> Markup {
-    let Some(lead) = view.lead else {
+    let (Some(lead), Some(figures)) = (view.lead, &figures.scores) else {
         return html! { p { "No path was scored, so there is nothing to compare." } };
     };
     let described = super::view::worst_body(lead).map_or_else(String::new, |b| {
@@ -225,10 +271,10 @@ fn paths(view: &View, figures: &Figures) -> Markup {
     )
 }
 
-fn curves(view: &View, figures: &Figures) -> Markup {
-    if view.lead.is_none() {
+fn curves(figures: &Figures) -> Markup {
+    let Some(figures) = &figures.scores else {
         return html! { p { "No path was scored." } };
-    }
+    };
     figure(
         &figures.over_time,
         "RULA and REBA score over time of the compared paths, on a ground coloured by action level. The \
@@ -239,9 +285,9 @@ fn curves(view: &View, figures: &Figures) -> Markup {
 }
 
 fn parts(view: &View, figures: &Figures) -> Markup {
-    if view.lead.is_none() {
+    let Some(figures) = &figures.scores else {
         return html! { p { "No path was scored." } };
-    }
+    };
     html! {
         (figure(
             &figures.parts,

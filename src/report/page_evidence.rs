@@ -237,8 +237,8 @@ pub(super) fn model(view: &View) -> Markup {
         }
         @if !m.weight_by_group.is_empty() {
             h3 { "How the body shares the movement" }
-            p.note { "Weight of each joint group in W: the larger its share, the more of a free movement it takes over." }
-            table {
+            p.note { "Weight of each joint group in the method's weight matrix W: the larger its share, the more of a free movement it takes over." }
+            table.slim {
                 thead { tr { th scope="col" { "Joint group" } th.n scope="col" { "Share of the weight" } } }
                 tbody { @for (group, share) in &m.weight_by_group { tr { th scope="row" { (group) } td.n { (percent(*share)) } } } }
             }

@@ -46,8 +46,10 @@ pub(super) fn variants(view: &View) -> Markup {
              95 % interval: where the true mean difference lies, as far as the number of repetitions tells; both paths \
              are walked by the same simulated people. Out of reach: share of repetitions in which the hand cannot follow; these count as \
              the worst score from there on."
+            " Ranked on other simulated people than those of these figures, so that neighbours may stand the other way \
+             round. "
             @if searched > 0 {
-                " " (searched) " more paths were scored on few people in the search and not shortlisted; they \
+                (searched) " more paths were scored on few people in the search and not shortlisted; they \
                  stand in " code { "candidates.csv" } "."
             }
         }
@@ -61,7 +63,11 @@ fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
     html! {
         tr.best[is_best] {
             td.n { (c.rank.map_or_else(String::new, |r| r.to_string())) }
-            th scope="row" { (c.id) span.small { (family_words(c.family)) } }
+            th scope="row" {
+                (c.id)
+                span.small { (family_words(c.family)) }
+                @if let Some(end) = c.path.as_ref().and_then(|p| p.time_s.last()) { span.small { (format!("{end:.2} s")) } }
+            }
             td.n { (percent(exposure)) span.small { (percent(low)) " to " (percent(high)) } }
             td.n {
                 (score(b.rula.expected))

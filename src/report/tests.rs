@@ -1,1 +1,259 @@
-//! Stub.
+//! Tests of the whole set of files, on a small run made once.
+
+use super::*;
+use crate::human::{Body, Side};
+use crate::planner::{Request, load_preset, plan};
+use crate::posture::{save_model, simulated_operator};
+use crate::scenario::read_scenario;
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::OnceLock;
+
+const SCENARIO: &str = r#"
+schema = "ergopath/scenario/1"
+name = "A <b>&"
+[worker]
+bodies = ["female_p50", "male_p50"]
+posture_model = "model.json"
+side = "right"
+stance = "standing"
+at_m = [0.0, 0.0]
+facing_deg = 0
+[grip]
+rpy_deg = [180, 0, -90]
+hold = "rigid"
+[robot]
+preset = "panda"
+base = { position_m = [0.95, 0.0, 0.75], rpy_deg = [0, 0, 180] }
+[start]
+position_m = [0.42, -0.35, 0.95]
+rpy_deg = [180, 0, 0]
+[goal]
+position_m = [0.45, 0.25, 1.25]
+rpy_deg = [180, 0, 0]
+[motion]
+duration_s = 4.0
+[workspace]
+min_m = [0.25, -0.60, 0.80]
+max_m = [0.80, 0.60, 1.60]
+[limits]
+speed_m_s = SPEED
+[[obstacle]]
+name = "bench"
+shape = "box"
+position_m = [0.75, 0.0, 0.36]
+size_m = [0.8, 1.6, 0.72]
+[task]
+part_mass_kg = 1.5
+human_load_share = 0.3
+coupling = "good"
+"#;
+
+fn run(speed: &str, with_own_path: bool) -> RunResult {
+    let room = tempfile::tempdir().unwrap();
+    let body = Body::load("female_p50", Path::new(".")).unwrap();
+    let model = simulated_operator(&body, Side::Right).unwrap();
+    save_model(&model, &room.path().join("model.json")).unwrap();
+    let mut text = SCENARIO.replace("SPEED", speed);
+    if with_own_path {
+        text += "[[path]]\nname = \"today\"\nfile = \"today.csv\"\n";
+        let mut rows = String::from("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n");
+        for i in 0..=80 {
+            let u = f64::from(i) / 80.0;
+            let s = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+            let (x, y, z) = (0.42 + 0.03 * s, -0.35 + 0.6 * s, 0.95 + 0.3 * s);
+            writeln!(rows, "{},{x:.6},{y:.6},{z:.6},0,1,0,0", 4.0 * u).unwrap();
+        }
+        std::fs::write(room.path().join("today.csv"), rows).unwrap();
+    }
+    let file = room.path().join("scenario.toml");
+    std::fs::write(&file, text).unwrap();
+    let mut preset = load_preset("quick").unwrap();
+    (preset.samples, preset.steps) = (3, 40);
+    (preset.rollouts_search, preset.rollouts_final, preset.shortlist) = (3, 12, 3);
+    let request = Request { command: "ergopath plan scenario.toml".into(), seed: 1, preset };
+    plan(&read_scenario(&file).unwrap(), &request, &|_, _, _| true).unwrap()
+}
+
+fn feasible() -> &'static RunResult {
+    static RUN: OnceLock<RunResult> = OnceLock::new();
+    RUN.get_or_init(|| run("0.5", true))
+}
+
+fn impossible() -> &'static RunResult {
+    static RUN: OnceLock<RunResult> = OnceLock::new();
+    RUN.get_or_init(|| run("0.05", false))
+}
+
+type Files = Vec<(String, Vec<u8>)>;
+
+fn made() -> &'static Files {
+    static FILES: OnceLock<Files> = OnceLock::new();
+    FILES.get_or_init(|| files(feasible()).unwrap())
+}
+
+fn text(files: &Files, name: &str) -> String {
+    let (_, bytes) = files.iter().find(|(n, _)| n == name).unwrap();
+    String::from_utf8(bytes.clone()).unwrap()
+}
+
+fn assert_self_contained(page: &str) {
+    for start in ["src=\"", "href=\""] {
+        for rest in page.split(start).skip(1) {
+            assert!(
+                rest.starts_with('#') || rest.starts_with("data:image/png;base64,"),
+                "{start}{}",
+                &rest[..40]
+            );
+        }
+    }
+    for word in ["<script", "<link", "@import", "url("] {
+        assert!(!page.contains(word), "{word}");
+    }
+    for word in ["<html lang=\"en\">", "<title>", "href=\"#main\"", "id=\"main\""] {
+        assert!(page.contains(word), "{word}");
+    }
+    assert_eq!(page.matches("<img").count(), page.matches(" alt=\"").count());
+    assert!(
+        page.split("<th").skip(1).filter(|t| !t.starts_with("ead")).all(|t| t
+            .split('>')
+            .next()
+            .unwrap()
+            .contains("scope="))
+    );
+}
+
+#[test]
+fn the_page_needs_nothing_else() {
+    let page = text(made(), "report.html");
+    assert_self_contained(&page);
+    assert_eq!(page.matches("<img").count(), 4);
+    for words in ["McAtamney &amp; Corlett 1993", "Hignett &amp; McAtamney 2000"] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn names_are_escaped_and_the_caveat_is_in_the_verdict() {
+    let page = text(made(), "report.html");
+    assert!(page.contains("A &lt;b&gt;&amp;") && !page.contains("<b>"));
+    let verdict = page.split("<section").nth(1).unwrap();
+    assert!(verdict.contains("demonstration model, not your workers"));
+}
+
+/// Every figure is a PNG of the stated width with more than paper on it.
+fn assert_figures(files: &Files, count: usize) {
+    let figures: Vec<_> = files.iter().filter(|(n, _)| n.starts_with("figures/")).collect();
+    assert_eq!(figures.len(), count);
+    for (name, bytes) in figures {
+        let mut reader = png::Decoder::new(bytes.as_slice()).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(info.width, 1600, "{name}");
+        assert!(info.height >= 200, "{name}");
+        let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
+        assert!(inked > 1500, "{name}: {inked}");
+    }
+}
+
+#[test]
+fn figures_are_drawn() {
+    assert_figures(made(), 4);
+}
+
+#[test]
+fn tables_have_their_columns() {
+    let table = text(made(), "candidates.csv");
+    assert_eq!(
+        table.lines().next().unwrap(),
+        "rank,id,family,state,evaluated,expected_rula,expected_reba,exposure_rula_5,\
+         exposure_reba_8,cvar90_rula,reach_exceeded,se_expected_rula,p05_rula,p95_rula,reason"
+    );
+    assert_eq!(table.lines().count(), feasible().candidates.len() + 1);
+    let path = text(made(), "paths/1.csv");
+    let header = path.lines().next().unwrap();
+    assert!(header.starts_with("time_s,x_m,y_m,z_m,qw,qx,qy,qz,panda_joint1_rad,"), "{header}");
+    let best = feasible().candidates[0].path.as_ref().unwrap();
+    let last: Vec<f64> =
+        path.lines().last().unwrap().split(',').map(|v| v.parse().unwrap()).collect();
+    assert_eq!(last[1..8], best.tcp.last().unwrap()[..]);
+}
+
+#[test]
+fn the_same_result_gives_the_same_bytes() {
+    assert_eq!(&files(feasible()).unwrap(), made());
+}
+
+#[test]
+fn numbers_of_the_page_are_those_of_the_result() {
+    let page = text(made(), "report.html");
+    let result: Value = serde_json::from_str(&text(made(), "result.json")).unwrap();
+    let table = page.split("aria-label=\"Paths compared\"").nth(1).unwrap();
+    let mut seen = 0;
+    for c in
+        result["candidates"].as_array().unwrap().iter().filter(|c| c["evaluated"] == "reported")
+    {
+        let id = c["id"].as_str().unwrap();
+        let row = table.split("<tr").find(|r| r.contains(&format!("scope=\"row\">{id}<"))).unwrap();
+        let expected = |b: &&Value| b["rula"]["expected"].as_f64().unwrap();
+        let bodies = c["bodies"].as_array().unwrap();
+        let body = bodies.iter().max_by(|a, b| expected(a).total_cmp(&expected(b))).unwrap();
+        for (score, value) in [
+            ("rula", "expected"),
+            ("rula", "p05"),
+            ("rula", "p95"),
+            ("rula", "cvar90"),
+            ("reba", "expected"),
+        ] {
+            let shown = format!("{:.2}", body[score][value].as_f64().unwrap());
+            assert!(row.contains(&shown), "{id} {score} {value} {shown}");
+            seen += 1;
+        }
+        let shown = view::percent(body["exposure_rula_5_band"][0].as_f64().unwrap());
+        assert!(row.contains(&shown.replace('<', "&lt;").replace('>', "&gt;")), "{id} {shown}");
+    }
+    assert!(seen >= 15);
+    for check in result["candidates"][0]["path"]["checks"].as_array().unwrap() {
+        assert!(page.contains(&view::value(check["value"].as_f64().unwrap())), "{check}");
+    }
+    for input in result["provenance"]["inputs"].as_array().unwrap() {
+        assert!(page.contains(input[1].as_str().unwrap()));
+    }
+}
+
+#[test]
+fn without_a_feasible_path_the_report_says_why() {
+    let files = files(impossible()).unwrap();
+    assert!(impossible().verdict.best.is_none());
+    let page = text(&files, "report.html");
+    assert_self_contained(&page);
+    assert!(page.contains("No path keeps all limits") && page.contains("cannot be used"));
+    assert_figures(&files, 1);
+    assert!(!files.iter().any(|(n, _)| n.starts_with("paths/")));
+}
+
+#[test]
+fn runs_are_compared_best_first() {
+    let parsed = |r: &RunResult| serde_json::from_str::<Value>(&result_json(r).unwrap()).unwrap();
+    let value = parsed(feasible());
+    let row = ComparisonRow::from_result_json("first", &value).unwrap();
+    assert_eq!(row.best, feasible().verdict.best);
+    let body = view::worst_body(&feasible().candidates[0]).unwrap();
+    assert_eq!(row.expected_rula, Some(body.rula.expected));
+    assert_eq!(row.worst_body.as_deref(), Some(body.body.as_str()));
+    let none = ComparisonRow::from_result_json("none", &parsed(impossible())).unwrap();
+    assert!(matches!(none.state, RowState::NoFeasiblePath(_)));
+    let failed = ComparisonRow::failed("broken", "scenario.toml: <key> is unknown");
+    let files = comparison(&[failed, none, row]).unwrap();
+    let page = text(&files, "comparison.html");
+    assert_self_contained(&page);
+    assert!(page.contains("&lt;key&gt; is unknown") && page.contains("A &lt;b&gt;&amp;"));
+    let table = text(&files, "comparison.csv");
+    assert!(table.lines().nth(1).unwrap().starts_with("first,A <b>&,ok,"), "{table}");
+    assert_eq!(table.lines().count(), 4);
+
+    assert!(ComparisonRow::from_result_json("x", &serde_json::json!({})).is_err());
+    let other = serde_json::json!({"schema": "ergopath/result/9"});
+    assert!(ComparisonRow::from_result_json("x", &other).unwrap_err().contains("result/9"));
+}

@@ -82,7 +82,7 @@ pub(super) fn family_words(family: Family) -> &'static str {
         Family::Lowered => "under the straight line",
         Family::TowardBody => "nearer to the body",
         Family::Away => "farther from the body",
-        Family::Sampled => "drawn at random in the search",
+        Family::Sampled => "sampled at random",
         Family::Drawn => "your own",
     }
 }
@@ -90,7 +90,7 @@ pub(super) fn family_words(family: Family) -> &'static str {
 /// A path's state in words.
 pub(super) fn state_words(status: &Status) -> &'static str {
     match status {
-        Status::Feasible => "keeps all limits",
+        Status::Feasible => "kept",
         Status::Marked { .. } => "over a limit",
         Status::Infeasible { .. } => "not feasible",
     }
@@ -110,17 +110,18 @@ pub(super) fn quantity_words(quantity: Quantity) -> (&'static str, &'static str)
     }
 }
 
-/// A share as percent: whole numbers from 10 %, one decimal below.
+/// A share as percent: whole numbers from 10 %, one decimal below; number and sign stay together.
 pub(super) fn percent(share: f64) -> String {
-    match 100.0 * share {
-        p if p.is_nan() => "unknown".to_owned(),
-        0.0 => "0 %".to_owned(),
-        p if p < 0.1 => "under 0.1 %".to_owned(),
-        p if p < 9.95 => format!("{p:.1} %"),
+    let text = match 100.0 * share {
+        p if p.is_nan() => return "unknown".to_owned(),
+        0.0 => "0".to_owned(),
+        p if p < 0.1 => "<0.1".to_owned(),
+        p if p < 9.95 => format!("{p:.1}"),
         // All but a few: never rounded up to certainty.
-        p if p > 99.5 && share < 1.0 => "over 99 %".to_owned(),
-        p => format!("{p:.0} %"),
-    }
+        p if p > 99.5 && share < 1.0 => ">99".to_owned(),
+        p => format!("{p:.0}"),
+    };
+    text + "\u{a0}%"
 }
 
 /// A score or a mean of scores.
@@ -141,7 +142,9 @@ pub(super) fn change(value: f64) -> String {
 
 /// A physical value: four decimals, or powers of ten where these would show nothing.
 pub(super) fn value(value: f64) -> String {
-    if value == 0.0 {
+    if !value.is_finite() {
+        "unknown".to_owned()
+    } else if value == 0.0 {
         "0".to_owned()
     } else if value.abs() < 1e-4 {
         format!("{value:.1e}").replace('-', "\u{2212}")
@@ -156,12 +159,8 @@ mod tests {
 
     #[test]
     fn numbers_read_well() {
-        assert_eq!(percent(0.0), "0 %");
-        assert_eq!(percent(0.0003), "under 0.1 %");
-        assert_eq!(percent(0.071), "7.1 %");
-        assert_eq!(percent(0.384), "38 %");
-        assert_eq!(percent(0.9999), "over 99 %");
-        assert_eq!(percent(1.0), "100 %");
+        let percents = [0.0, 0.0003, 0.071, 0.384, 0.9999, 1.0].map(percent);
+        assert_eq!(percents.join(" ").replace('\u{a0}', ""), "0% <0.1% 7.1% 38% >99% 100%");
         assert_eq!(change(-0.396), "\u{2212}0.40");
         assert_eq!(change(-0.001), "0.00");
         assert_eq!(value(-0.113_832), "\u{2212}0.1138");
