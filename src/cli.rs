@@ -4,6 +4,7 @@
 //! written); 3 finished, but no path is feasible (the report says why).
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "the command line prints")]
 
+mod batch;
 mod body;
 mod inspect;
 mod plan;
@@ -33,6 +34,10 @@ enum Command {
     Plan(plan::PlanArgs),
     /// Scores the paths that you have now, as they are, without planning.
     Assess(plan::AssessArgs),
+    /// Plans several scenarios and puts them into one table; one failure does not stop the others.
+    Batch(batch::BatchArgs),
+    /// Puts finished runs into one table.
+    Compare(batch::CompareArgs),
     /// Learns from recordings how a person resolves the redundancy of the body.
     Train(train::Args),
 }
@@ -55,6 +60,8 @@ pub fn main() -> ExitCode {
         Command::Body(args) => body::run(&args),
         Command::Plan(args) => plan::plan(&args),
         Command::Assess(args) => plan::assess(&args),
+        Command::Batch(args) => batch::batch(&args),
+        Command::Compare(args) => batch::compare(&args),
         Command::Train(args) => train::run(&args),
     };
     match result {

@@ -5,8 +5,9 @@ use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, OutputFolder, read_text, write_whole};
 use crate::planner::{Preset, Request, load_preset, plan};
-use crate::report::{self, ComparisonRow};
+use crate::report::{self, ComparisonRow, RowState};
 use crate::scenario::read_scenario;
+use comfy_table::{Table, presets};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -60,8 +61,7 @@ pub(super) fn batch(args: &BatchArgs) -> Result<Outcome, Failure> {
         runs.par_iter()
             .map(|run| {
                 let row = one(run, args).unwrap_or_else(|e| {
-                    let text = e.help().map_or_else(|| e.to_string(), |h| format!("{e} ({h})"));
-                    ComparisonRow::failed(&run.name, &text)
+                    ComparisonRow::failed(&run.name, &reason(&e, &run.scenario))
                 });
                 let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
                 progress.tell("planning", n, runs.len());
@@ -81,9 +81,12 @@ fn runs(args: &BatchArgs) -> Result<Vec<Run>, Failure> {
             let name =
                 if args.planner.len() > 1 { format!("{stem}-{}", preset.name) } else { stem };
             if runs.iter().any(|r| r.name == name) {
-                return Err(InputError::new(scenario, format!("there are two runs named `{name}`"))
-                    .remedy("rename one of the scenario files or planners")
-                    .into());
+                return Err(InputError::new(
+                    scenario,
+                    format!("there are two runs named `{name}`"),
+                )
+                .remedy("rename one of the scenario files or planners")
+                .into());
             }
             let (scenario, planner, preset) = (scenario.clone(), planner.clone(), preset.clone());
             runs.push(Run { name, scenario, planner, preset });
@@ -100,11 +103,24 @@ fn one(run: &Run, args: &BatchArgs) -> Result<ComparisonRow, Failure> {
     let silent = |_: &'static str, _: usize, _: usize| !Progress::is_interrupted();
     let result = plan(&scenario, &request, &silent).map_err(failure)?;
     let folder = OutputFolder::create(&args.output.join(&run.name))?;
-    for (name, bytes) in report::files(&result).map_err(|e| InputError::new("report", e.to_string()))? {
+    for (name, bytes) in
+        report::files(&result).map_err(|e| InputError::new("report", e.to_string()))?
+    {
         folder.write(&name, &bytes)?;
     }
     folder.publish()?;
     row_of(&run.name, &args.output.join(&run.name))
+}
+
+/// A failure in one line, without the folder: files of results hold no place of a machine.
+fn reason(failure: &Failure, scenario: &Path) -> String {
+    let text = failure.help().map_or_else(|| failure.to_string(), |h| format!("{failure} ({h})"));
+    match scenario.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => {
+            text.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "")
+        }
+        _ => text,
+    }
 }
 
 fn row_of(name: &str, folder: &Path) -> Result<ComparisonRow, Failure> {
@@ -150,8 +166,62 @@ fn publish(output: &Path, rows: &[ComparisonRow]) -> Result<Outcome, Failure> {
     for (name, bytes) in files {
         write_whole(&output.join(&name), &bytes)?;
     }
-    println!("{}", report::comparison_text(rows));
+    print(rows);
     println!("\n{}", output.join("comparison.html").display());
-    let none = rows.iter().all(|r| !r.is_ok());
+    let none = rows.iter().all(|r| r.state != RowState::Ok);
     Ok(if none { Outcome::NothingFeasible } else { Outcome::Done })
+}
+
+/// The runs, aligned, in the order in which they were named.
+fn print(rows: &[ComparisonRow]) {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header([
+        "run",
+        "best path",
+        "body",
+        "time at 3+",
+        "RULA",
+        "90 % band",
+        "against straight",
+        "out of reach",
+    ]);
+    let mut notes = Vec::new();
+    for r in rows {
+        let percent =
+            |v: Option<f64>| v.map_or_else(String::new, |v| format!("{:.0} %", 100.0 * v));
+        let best = match &r.state {
+            RowState::Ok => r.best.clone().unwrap_or_default(),
+            RowState::NoFeasiblePath(why) => {
+                notes.push(format!("{}: no path keeps all limits; {why}", r.name));
+                "none".to_owned()
+            }
+            RowState::Failed(why) => {
+                notes.push(format!("{}: {why}", r.name));
+                "failed".to_owned()
+            }
+        };
+        let band = match (r.p05_rula, r.p95_rula) {
+            (Some(low), Some(high)) => format!("{low:.2} to {high:.2}"),
+            _ => String::new(),
+        };
+        let difference = r.difference.map_or_else(String::new, |d| {
+            let clear = if d.clear { "" } else { " (no clear difference)" };
+            format!("{:+.2}{clear}", d.mean)
+        });
+        table.add_row([
+            r.name.clone(),
+            best,
+            r.worst_body.clone().unwrap_or_default(),
+            percent(r.exposure_rula_5),
+            r.expected_rula.map_or_else(String::new, |v| format!("{v:.2}")),
+            band,
+            difference,
+            percent(r.reach_exceeded),
+        ]);
+    }
+    println!("{}", table.trim_fmt());
+    for note in notes {
+        println!("  {note}");
+    }
 }

@@ -37,7 +37,7 @@ pub(super) struct Walk {
 
 /// The walks of one person along one path.
 pub(super) struct Walks {
-    pub walks: Vec<Walk>,
+    pub all: Vec<Walk>,
     pub dt: f64,
     pub extrapolation_share: f64,
 }
@@ -91,7 +91,7 @@ impl<'a> Person<'a> {
                 Walk { rollout, angles, start }
             })
             .collect();
-        Walks { walks, dt, extrapolation_share: hand.extrapolation_share() }
+        Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
     }
 
     /// The mean posture and the robot at a few moments, for drawings.
@@ -107,7 +107,7 @@ impl<'a> Person<'a> {
             .map(|i| {
                 let k = i * last / (moments - 1).max(1);
                 let reached: Vec<&DVector<f64>> = walks
-                    .walks
+                    .all
                     .iter()
                     .filter(|w| w.rollout.reach_exceeded_at.is_none_or(|at| at > k))
                     .map(|w| &w.rollout.q[k])
@@ -142,7 +142,7 @@ impl Walks {
     /// Scores of every rollout and frame; after the reach is exceeded the worst there is.
     fn scores(&self, lens: &Lens) -> (Vec<Vec<u8>>, Vec<Vec<u8>>) {
         let per_walk: Vec<(Vec<u8>, Vec<u8>)> = self
-            .walks
+            .all
             .par_iter()
             .map(|w| {
                 let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
@@ -177,18 +177,18 @@ impl Walks {
         let reba = distribution(&reba_scores, self.dt, REBA_WORST)?;
         let exposures: Vec<f64> = rula_scores.iter().map(|s| share_at_least(s, 5)).collect();
         let exceeded: Vec<usize> =
-            self.walks.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
-        let count = self.walks.len() as f64;
+            self.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
+        let count = self.all.len() as f64;
         let of = |f: fn(&Rollout) -> f64| -> Vec<f64> {
-            self.walks.iter().map(|w| f(&w.rollout)).collect()
+            self.all.iter().map(|w| f(&w.rollout)).collect()
         };
         let largest = |v: Vec<f64>| v.into_iter().fold(0.0, f64::max);
         let squares: Vec<f64> = of(|r| r.rms_residual_m.powi(2));
         let starts: Vec<f64> =
-            self.walks.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
+            self.all.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
         Some(BodyScores {
             body: body.to_owned(),
-            rollouts: self.walks.len(),
+            rollouts: self.all.len(),
             rula_by_rollout: time_means(&rula_scores),
             exposure_rula_5_band: [
                 mean(&exposures),
@@ -207,7 +207,7 @@ impl Walks {
             hand_residual_rms_mm: 1e3 * mean(&squares).sqrt(),
             hand_residual_max_deg: largest(of(|r| r.max_residual_rad)).to_degrees(),
             extrapolation_share: self.extrapolation_share,
-            unusual_starts: self.walks.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
+            unusual_starts: self.all.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
             start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
             parts: self.parts(lens),
         })
@@ -215,14 +215,14 @@ impl Walks {
 
     fn other_scores(&self, lens: &Lens) -> Vec<Vec<u8>> {
         let score = |w: &Walk| w.angles.iter().map(|a| a.other_rula(lens).grand).collect();
-        self.walks.iter().map(score).collect()
+        self.all.iter().map(score).collect()
     }
 
     /// Mean step scores of RULA over people and time, and how much each drives the total.
     fn parts(&self, lens: &Lens) -> Vec<PartScore> {
         let mut sums = [[0.0f64; 2]; RulaStep::ALL.len()];
         let mut count = 0.0;
-        for walk in &self.walks {
+        for walk in &self.all {
             let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
             for (_, angles) in walk.angles.iter().enumerate().filter(|(k, _)| *k < end) {
                 let sheet = angles.sheet(lens);
