@@ -226,6 +226,14 @@ proptest! {
                     let end = path.position[steps] - goal.translation.vector;
                     prop_assert!(end.norm() < 1e-10, "{end}");
                 }
+                Projection::Infeasible { cause: Cause::Turn, reason } => {
+                    // Peaks of the minimum-jerk law: 1.875 and 10 / sqrt 3.
+                    let speed = 1.875 * angle / duration;
+                    let acceleration = 10.0 / 3f64.sqrt() * angle / (duration * duration);
+                    let is_over = speed > limits.angular_speed_rad_s
+                        || acceleration > limits.angular_acceleration_rad_s2;
+                    prop_assert!(is_over, "{reason}");
+                }
                 Projection::Infeasible { cause, reason } => {
                     prop_assert!(cause == Cause::Duration, "{reason}");
                     prop_assert!(duration < shortest * 1.3, "{reason}");
