@@ -106,53 +106,5 @@ fn real_movements_fit_inside_all_limits() {
         assert!(motion.qdot.iter().all(|v| no_nan(v)));
         let stature = report.stature_hint_m.unwrap();
         assert!((1.4..1.9).contains(&stature), "{stature}");
-        assert!(took < 10.0, "{took} s");
-    }
-}
-
-/// Survey over sizes and loosened limits: `cargo test --test fit_real -- --ignored --nocapture`.
-#[test]
-#[ignore = "prints a table for people"]
-fn survey() {
-    for Case { file: name, person, side, .. } in CASES {
-        let Some(r) = shared(name, person) else { return };
-        for sex in [Sex::Female, Sex::Male] {
-            for stature in [1.50, 1.55, 1.60, 1.65, 1.70, 1.75, 1.80] {
-                let b = body(sex, stature);
-                let start = std::time::Instant::now();
-                let m = fit(&r, &b, side, &FitSettings::default()).unwrap();
-                let took = start.elapsed().as_secs_f64();
-                show(&format!("{name} {person:?} {side:?} {sex} {stature} ({took:.2} s)"), &m);
-                assert!(violation(&m, &b, side) < 1e-9);
-            }
-        }
-    }
-}
-
-/// Which angles people reach when nothing holds them: 1st and 99th percentile beside our limits.
-#[test]
-#[ignore = "prints a table for people"]
-fn ranges_without_limits() {
-    for Case { file: name, person, side, .. } in CASES {
-        let Some(r) = shared(name, person) else { return };
-        let own = body(Sex::Male, 1.65);
-        let mut loose = own.clone();
-        for joint in &mut loose.model.joints {
-            (joint.lower, joint.upper) = (-3.0, 3.0);
-        }
-        loose.sums.clear();
-        let m = fit(&r, &loose, side, &FitSettings::default()).unwrap();
-        show(&format!("{name} {person:?} {side:?} without limits"), &m);
-        let arm = own.arm(side).unwrap();
-        for (c, joint) in arm.joints().iter().enumerate() {
-            let angles: Vec<f64> = m.q.iter().map(|q| q[c].to_degrees()).collect();
-            let [low, high] = [0.01, 0.99].map(|p| ergopath::math::stats::quantile(&angles, p));
-            let (lo, hi) = (joint.lower.to_degrees(), joint.upper.to_degrees());
-            let mark = if low < lo || high > hi { "  <-- outside" } else { "" };
-            println!(
-                "   {:22} {low:7.1} .. {high:6.1}   limits {lo:6.1} .. {hi:6.1}{mark}",
-                joint.name
-            );
-        }
     }
 }
