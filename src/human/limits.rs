@@ -106,9 +106,9 @@ pub(super) fn ranges(joint: &str) -> Ranges {
         // Flexion, carrying angle, pronation from full supination: 90 to each side of mid-prone, the
         // upper end of measured people (71 to 96 and 74 to 93), so that the zero is admissible.
         "Elbow" => [(-10.0, 155.0), (-20.0, 20.0), (0.0, 180.0)],
-        // Recorded hands turn by up to 20 deg against the forearm's own frame, because skin-mounted
+        // Recorded hands turn by up to 30 deg against the forearm's own frame, because skin-mounted
         // frames follow only part of the pronation.
-        "Wrist" => [(-70.0, 80.0), (-35.0, 40.0), (-20.0, 20.0)],
+        "Wrist" => [(-70.0, 80.0), (-35.0, 40.0), (-30.0, 30.0)],
         "Hip" => [(-30.0, 120.0), (-45.0, 30.0), (-45.0, 45.0)],
         "Knee" => [(-135.0, 5.0), (-5.0, 5.0), (-10.0, 10.0)],
         "Ankle" => [(-50.0, 20.0), (-20.0, 20.0), (-10.0, 10.0)],

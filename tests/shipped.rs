@@ -1,0 +1,53 @@
+//! What ships works: every scenario plans, and the example in `reports/` is what the program makes.
+
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn plan(scenario: &Path, output: &Path, planner: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ergopath"));
+    command.arg("plan").arg(scenario).arg("-o").arg(output).args(["--planner", planner]);
+    command
+}
+
+#[test]
+fn every_shipped_scenario_ends_in_a_report() {
+    let room = tempfile::tempdir().unwrap();
+    let mut count = 0;
+    for entry in project("scenarios").read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|x| x == "toml") {
+            let output = room.path().join(path.file_stem().unwrap());
+            plan(&path, &output, "quick").assert().success();
+            assert!(output.join("report.html").is_file());
+            count += 1;
+        }
+    }
+    assert!(count >= 3);
+}
+
+#[test]
+fn the_kept_example_is_what_the_command_makes() {
+    let room = tempfile::tempdir().unwrap();
+    let output = room.path().join("out");
+    plan(&project("scenarios/bench_pick_and_place.toml"), &output, "default").assert().success();
+    let rows = |path: PathBuf| -> Vec<Vec<String>> {
+        let mut reader = csv::Reader::from_path(path).unwrap();
+        reader.records().map(|r| r.unwrap().iter().map(str::to_owned).collect()).collect()
+    };
+    let kept = rows(project("reports/example/candidates.csv"));
+    let made = rows(output.join("candidates.csv"));
+    assert_eq!(kept.len(), made.len());
+    for old in kept.iter().filter(|r| r[4] == "reported") {
+        let new =
+            made.iter().find(|r| r[1] == old[1]).unwrap_or_else(|| panic!("{} is gone", old[1]));
+        // Another processor may round differently, which can move a frame over a threshold.
+        let (a, b): (f64, f64) = (old[5].parse().unwrap(), new[5].parse().unwrap());
+        assert!((a - b).abs() < 0.02, "{}: expected RULA {a} became {b}", old[1]);
+    }
+}
