@@ -2,7 +2,22 @@
 //!
 //! Exit codes: 0 done; 1 the program itself failed; 2 the input or the call is wrong (nothing is
 //! written); 3 finished, but no path is feasible (the report says why).
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "the command line prints")]
+
+/// Prints a line to standard output. A reader that has gone (`| head`) is no reason to fail.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
+/// Prints a line to standard error.
+macro_rules! complain {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
 
 mod batch;
 mod body;
@@ -68,7 +83,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::NothingFeasible) => ExitCode::from(3),
         Err(failure) => {
-            eprintln!("{:?}", miette::Report::new_boxed(failure));
+            complain!("{:?}", miette::Report::new_boxed(failure));
             ExitCode::from(2)
         }
     }

@@ -61,6 +61,10 @@ pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> 
             files.push((format!("paths/{rank}.csv"), tables::path(path)?));
         }
     }
+    for table in &result.rollouts {
+        let body = table.other_body.as_ref().map_or_else(String::new, |b| format!("-{b}"));
+        files.push((format!("rollouts/{}{body}.csv", table.rank), tables::rollouts(table)?));
+    }
     // Without a scored path there is only the cell to draw.
     let scores = view.lead.map(|_| -> Result<_, ReportError> {
         Ok(page::ScoreFigures {

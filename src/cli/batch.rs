@@ -99,7 +99,8 @@ fn one(run: &Run, args: &BatchArgs) -> Result<ComparisonRow, Failure> {
     let scenario = read_scenario(&run.scenario)?;
     let seed = args.seed.unwrap_or(scenario.seed);
     let command = canonical("plan", &scenario, &run.planner, seed);
-    let request = Request { command, seed, preset: run.preset.clone() };
+    let preset = run.preset.clone();
+    let request = Request { command, seed, preset, keeps_rollouts: false };
     let silent = |_: &'static str, _: usize, _: usize| !Progress::is_interrupted();
     let result = plan(&scenario, &request, &silent).map_err(failure)?;
     let folder = OutputFolder::create(&args.output.join(&run.name))?;
@@ -167,7 +168,7 @@ fn publish(output: &Path, rows: &[ComparisonRow]) -> Result<Outcome, Failure> {
         write_whole(&output.join(&name), &bytes)?;
     }
     print(rows);
-    println!("\n{}", output.join("comparison.html").display());
+    say!("\n{}", output.join("comparison.html").display());
     let none = rows.iter().all(|r| r.state != RowState::Ok);
     Ok(if none { Outcome::NothingFeasible } else { Outcome::Done })
 }
@@ -220,8 +221,8 @@ fn print(rows: &[ComparisonRow]) {
             percent(r.reach_exceeded),
         ]);
     }
-    println!("{}", table.trim_fmt());
+    say!("{}", table.trim_fmt());
     for note in notes {
-        println!("  {note}");
+        say!("  {note}");
     }
 }

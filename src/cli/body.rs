@@ -42,8 +42,8 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let sheet = path.with_extension("body.toml");
     write_whole(&sheet, files.sheet.as_bytes())?;
     write_whole(path, files.urdf.as_bytes())?;
-    println!("{}: {} of {} m, {} kg", path.display(), size.sex, size.stature_m, size.mass_kg);
-    println!("  66 joints, pelvis to right hand 24; palms forward at zero; limits: AAOS ranges");
-    println!("{}: sizes and trunk limits", sheet.display());
+    say!("{}: {} of {} m, {} kg", path.display(), size.sex, size.stature_m, size.mass_kg);
+    say!("  66 joints, pelvis to right hand 24; palms forward at zero; limits: AAOS ranges");
+    say!("{}: sizes and trunk limits", sheet.display());
     Ok(Outcome::Done)
 }

@@ -32,7 +32,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
         None => Vec::new(),
     };
     for warning in model.warnings.iter().chain(&linkage.warnings) {
-        eprintln!("warning: {warning}");
+        complain!("warning: {warning}");
     }
     warn_of_limits(&linkage, &postures);
     if args.json {
@@ -87,7 +87,7 @@ fn warn_of_limits(linkage: &Linkage, postures: &[Vec<f64>]) {
         let outside = |q: &&Vec<f64>| q[i] < joint.lower || q[i] > joint.upper;
         let count = postures.iter().filter(outside).count();
         if let Some(first) = postures.iter().position(|q| outside(&q)) {
-            eprintln!(
+            complain!(
                 "warning: {} is outside {} to {} in {count} of {} rows (first: row {}, {}); computed \
                  all the same",
                 joint.name,
@@ -127,11 +127,11 @@ fn print_json(linkage: &Linkage, postures: &[Vec<f64>]) {
         .iter()
         .map(|j| json!({"lower": bound(j.lower), "upper": bound(j.upper), "velocity": bound(j.velocity)}))
         .collect();
-    println!("{}", json!({"joints": names, "limits": limits, "poses": poses}));
+    say!("{}", json!({"joints": names, "limits": limits, "poses": poses}));
 }
 
 fn print_text(model: &Model, linkage: &Linkage, chain: &str, postures: &[Vec<f64>]) {
-    println!("{}: {chain}, {} joints", model.name, linkage.dof());
+    say!("{}: {chain}, {} joints", model.name, linkage.dof());
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header(["", "joint", "lower", "upper", "velocity", "unit"]);
@@ -152,21 +152,21 @@ fn print_text(model: &Model, linkage: &Linkage, chain: &str, postures: &[Vec<f64
             c.set_cell_alignment(CellAlignment::Right);
         }
     }
-    println!("{table}");
+    say!("{table}");
     let mut frames = Frames::default();
     for (row, q) in postures.iter().enumerate() {
         linkage.forward(q, &mut frames);
         let (p, r) = linkage.tip_frame(&frames, 0);
-        println!("\nrow {}: tip in `{}`", row + 1, linkage.base());
-        println!("  position  {:10.6} {:10.6} {:10.6} m", p.x, p.y, p.z);
+        say!("\nrow {}: tip in `{}`", row + 1, linkage.base());
+        say!("  position  {:10.6} {:10.6} {:10.6} m", p.x, p.y, p.z);
         for i in 0..3 {
             let head = if i == 0 { "rotation" } else { "" };
-            println!("  {head:8}  {:10.6} {:10.6} {:10.6}", r[(i, 0)], r[(i, 1)], r[(i, 2)]);
+            say!("  {head:8}  {:10.6} {:10.6} {:10.6}", r[(i, 0)], r[(i, 1)], r[(i, 2)]);
         }
         let jacobian = linkage.jacobian(&frames, 0);
         for (i, name) in ["vx", "vy", "vz", "wx", "wy", "wz"].into_iter().enumerate() {
             let cells: Vec<String> = jacobian.row(i).iter().map(|v| format!("{v:8.4}")).collect();
-            println!("  J {name}      {}", cells.join(" "));
+            say!("  J {name}      {}", cells.join(" "));
         }
     }
 }

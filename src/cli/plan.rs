@@ -47,6 +47,9 @@ pub(super) struct Common {
     /// Number of threads; results do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Also write the sampled postures of every reported path to rollouts/.
+    #[arg(long)]
+    rollouts: bool,
     /// Also write the time of each stage to a file.
     #[arg(long, value_name = "FILE")]
     timings: Option<PathBuf>,
@@ -92,11 +95,11 @@ fn run(
     // A folder that cannot be written fails now, not after the work.
     drop(OutputFolder::create(&common.output)?);
     for warning in &scenario.warnings {
-        eprintln!("warning: {warning}");
+        complain!("warning: {warning}");
     }
     let seed = common.seed.unwrap_or(scenario.seed);
     let command = canonical(verb, scenario, &common.planner, seed);
-    let request = Request { command, seed, preset };
+    let request = Request { command, seed, preset, keeps_rollouts: common.rollouts };
     let result = with_threads(common.threads, || {
         let progress = Progress::new();
         planner(scenario, &request, &|stage, done, total| progress.tell(stage, done, total))
@@ -117,7 +120,7 @@ fn run(
         write_whole(file, text.as_bytes())?;
     }
     if common.json {
-        println!(
+        say!(
             "{}",
             report::result_json(&result).map_err(|e| InputError::new("report", e.to_string()))?
         );
@@ -125,7 +128,7 @@ fn run(
         print(&result, common.quiet);
         if !common.quiet {
             let shown = common.output.join("report.html");
-            println!(
+            say!(
                 "\n{}  ({planned_s:.1} s planning, {:.1} s report)",
                 shown.display(),
                 total_s - planned_s
@@ -173,17 +176,17 @@ pub(super) fn canonical(verb: &str, scenario: &Scenario, planner: &str, seed: u6
 
 /// The verdict and the ranking.
 fn print(result: &RunResult, quiet: bool) {
-    println!("{}", result.verdict.headline);
+    say!("{}", result.verdict.headline);
     if let Some(caveat) = &result.verdict.caveat {
-        println!("  [{caveat}]");
+        say!("  [{caveat}]");
     }
     for line in &result.verdict.lines {
-        println!("  {line}");
+        say!("  {line}");
     }
     if quiet {
         return;
     }
-    println!();
+    say!();
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header([
@@ -227,15 +230,15 @@ fn print(result: &RunResult, quiet: bool) {
             c.set_cell_alignment(CellAlignment::Right);
         }
     }
-    println!("{}", table.trim_fmt());
+    say!("{}", table.trim_fmt());
     let refused = result.candidates.iter().filter(|c| c.evaluated == Evaluated::None).count();
     let searched = result.candidates.iter().filter(|c| c.evaluated == Evaluated::Search).count();
-    println!(
+    say!(
         "  and {searched} paths of the search that were not shortlisted, {refused} that are not feasible"
     );
     for c in &result.candidates {
         if let Status::Marked { violations } = &c.status {
-            println!("  `{}` breaks limits: {}", c.id, violations.join("; "));
+            say!("  `{}` breaks limits: {}", c.id, violations.join("; "));
         }
     }
 }

@@ -90,7 +90,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let model = train(&dataset, &name, args.method, &settings, provenance(&sources, &body, args))?;
     write(&dataset, &model, args)?;
     for note in sources.iter().flat_map(|s| &s.notes) {
-        eprintln!("warning: {note}");
+        complain!("warning: {note}");
     }
     if args.json {
         print_json(&sources, &dataset, &model);
@@ -248,7 +248,7 @@ fn print_json(sources: &[Source], dataset: &Dataset, model: &PostureModel) {
         .iter()
         .map(|s| json!({"source": s.name, "sha256": s.sha256, "simulated": s.simulated, "fit": s.fit}))
         .collect();
-    println!(
+    say!(
         "{}",
         json!({
             "recordings": recordings,
@@ -268,9 +268,9 @@ fn print_json(sources: &[Source], dataset: &Dataset, model: &PostureModel) {
 
 fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureModel, path: &Path) {
     for source in sources {
-        println!("{}: {}", source.name, source.lines[0]);
+        say!("{}: {}", source.name, source.lines[0]);
         for line in &source.lines[1..] {
-            println!("  {line}");
+            say!("  {line}");
         }
     }
     let split = if dataset.trials > 1 {
@@ -278,24 +278,24 @@ fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureModel, path:
     } else {
         "first 70 % of the time trains, 0.5 s gap, the rest tests".to_owned()
     };
-    println!("\nHeld-out movement ({split}):");
-    println!("{}", quality_table(&model.quality, model.method));
-    println!(
+    say!("\nHeld-out movement ({split}):");
+    say!("{}", quality_table(&model.quality, model.method));
+    say!(
         "  RMSE of joint velocity over its rms; log-likelihood in nats per frame (floor 0.01 rad/s; in \
          all\n  joints with S_x = (1e-4)^2); mean joint error along the held-out hand path, without \
          and with\n  the pull towards the person's postures. plain-ik is the plain pseudo-inverse."
     );
     let groups = model.weight_by_group().into_iter();
     let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {:.0} %", 100.0 * s)).collect();
-    println!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
-    println!(
+    say!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
+    say!(
         "noise: {} directions, correlated over {:.2} s, hand-speed floor {} m/s",
         model.noise.factor.ncols(),
         model.noise.correlation_time_s,
         model.noise.speed_floor_m_s
     );
     let mark = if model.provenance.simulated { ", simulated" } else { "" };
-    println!(
+    say!(
         "{}: `{}` ({}{mark}), learned on all {} frames",
         path.display(),
         model.name,

@@ -1,6 +1,6 @@
 //! Sends people along paths and scores them.
 
-use super::result::{BodyScores, PartScore, PosePicture};
+use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
 use super::score::{Lens, PostureAngles, Surveyor};
 use crate::ergonomics::{
     P_AT_LEAST_S, REBA_WORST, RULA_WORST, RulaStep, ScoreDistribution, drivers, score_distribution,
@@ -92,6 +92,27 @@ impl<'a> Person<'a> {
             })
             .collect();
         Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
+    }
+
+    /// The walks as a table; each ends where its reach is exceeded.
+    pub(super) fn table(
+        &self,
+        walks: &Walks,
+        path: &TimedPath,
+        rank: usize,
+        is_first: bool,
+    ) -> RolloutTable {
+        let reached = |w: &Walk| {
+            let end = w.rollout.reach_exceeded_at.unwrap_or(w.rollout.q.len());
+            w.rollout.q[..end].to_vec()
+        };
+        RolloutTable {
+            rank,
+            other_body: (!is_first).then(|| self.name.clone()),
+            joints: self.coupling.joints().map(str::to_owned).collect(),
+            time_s: path.time_s.clone(),
+            q: walks.all.iter().map(reached).collect(),
+        }
     }
 
     /// The mean posture and the robot at a few moments, for drawings.

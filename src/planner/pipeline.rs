@@ -5,7 +5,8 @@ use super::explain::{comparisons, inputs, model_summary, not_modelled, setting, 
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
 use super::result::{
-    BodyScores, CandidateResult, Evaluated, RESULT_SCHEMA, RunProvenance, RunResult, Status,
+    BodyScores, CandidateResult, Evaluated, RESULT_SCHEMA, RolloutTable, RunProvenance, RunResult,
+    Status,
 };
 use super::score::Lens;
 use crate::files::InputError;
@@ -31,6 +32,8 @@ pub struct Request {
     pub seed: u64,
     /// The planner's settings.
     pub preset: Preset,
+    /// Keep the sampled postures of the reported paths.
+    pub keeps_rollouts: bool,
 }
 
 /// Told where a run stands (stage, done, total); answers whether to go on.
@@ -144,9 +147,13 @@ fn run(
     })?;
     let mut results: Vec<CandidateResult> = Vec::new();
     let mut best_walks: Option<Vec<Walks>> = None;
-    for ((&(_, value), (mut result, walks)), rank) in ranked.iter().zip(reported).zip(1..) {
+    let mut rollouts = Vec::new();
+    for ((&(i, value), (mut result, walks)), rank) in ranked.iter().zip(reported).zip(1..) {
         result.rank = Some(rank);
         result.objective = Some(value);
+        if request.keeps_rollouts {
+            rollouts.extend(evaluator.tables(&prepared[i], &walks, rank));
+        }
         if best_walks.is_none() && result.status == Status::Feasible {
             best_walks = Some(walks);
         }
@@ -165,7 +172,9 @@ fn run(
     for p in prepared.iter().filter(|p| !p.is_walkable()) {
         results.push(bare(p, Evaluated::None));
     }
-    Ok(assemble(scenario, request, &lens, results, best_walks.as_deref()))
+    let mut result = assemble(scenario, request, &lens, results, best_walks.as_deref());
+    result.rollouts = rollouts;
+    Ok(result)
 }
 
 fn assemble(
@@ -188,6 +197,7 @@ fn assemble(
         warnings: scenario.warnings.clone(),
         not_modelled: not_modelled(scenario),
         planner: request.preset.clone(),
+        rollouts: Vec::new(),
         candidates,
     }
 }
@@ -222,6 +232,15 @@ impl Evaluator<'_> {
             walks.summary(&p.name, self.lens, self.scenario.worker.other_arm)
         };
         self.people.iter().filter_map(of).collect()
+    }
+
+    /// The sampled postures of all bodies along a path.
+    fn tables(&self, prepared: &Prepared, walks: &[Walks], rank: usize) -> Vec<RolloutTable> {
+        let Some(path) = &prepared.path else { return Vec::new() };
+        let of = |(k, (person, walks)): (usize, (&Person, &Walks))| {
+            person.table(walks, path, rank, k == 0)
+        };
+        self.people.iter().zip(walks).enumerate().map(of).collect()
     }
 
     fn report(&self, prepared: &Prepared, count: usize) -> (CandidateResult, Vec<Walks>) {

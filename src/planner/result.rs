@@ -7,6 +7,7 @@ use crate::ergonomics::{PairedDifference, ScoreDistribution};
 use crate::path::{Check, Family};
 use crate::posture::MethodQuality;
 use crate::scenario::{Origin, Task};
+use nalgebra::DVector;
 use serde::Serialize;
 
 /// Schema id and version of `result.json`.
@@ -37,6 +38,24 @@ pub struct RunResult {
     pub not_modelled: Vec<String>,
     /// The planner's settings.
     pub planner: Preset,
+    /// The sampled postures themselves, on request; written to files of their own.
+    #[serde(skip)]
+    pub rollouts: Vec<RolloutTable>,
+}
+
+/// The sampled postures of one body along one path.
+#[derive(Debug, Clone)]
+pub struct RolloutTable {
+    /// Rank of the path.
+    pub rank: usize,
+    /// Body; none for the first one of the scenario.
+    pub other_body: Option<String>,
+    /// Joints of the chain, n names.
+    pub joints: Vec<String>,
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Joint angles, rad: rollouts, times, n. A rollout ends where its reach is exceeded.
+    pub q: Vec<Vec<DVector<f64>>>,
 }
 
 /// How to make the run again.

@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::view::worst_body;
 use crate::path::Family;
-use crate::planner::{CandidateResult, Evaluated, PathData, RunResult, Status};
+use crate::planner::{CandidateResult, Evaluated, PathData, RolloutTable, RunResult, Status};
 
 const COLUMNS: [&str; 15] = [
     "rank",
@@ -77,6 +77,20 @@ fn family_name(family: Family) -> &'static str {
         Family::Sampled => "sampled",
         Family::Drawn => "drawn",
     }
+}
+
+/// `rollouts/<rank>.csv`: rollout (from 1), time and joint angles, a row for each sample.
+pub(super) fn rollouts(table: &RolloutTable) -> Result<Vec<u8>, ReportError> {
+    let mut out = csv::Writer::from_writer(Vec::new());
+    let joints = table.joints.iter().map(|j| format!("{j}_rad"));
+    out.write_record(["rollout".to_owned(), "time_s".to_owned()].into_iter().chain(joints))?;
+    for (r, walk) in table.q.iter().enumerate() {
+        for (t, q) in table.time_s.iter().zip(walk) {
+            let head = [(r + 1).to_string(), t.to_string()];
+            out.write_record(head.into_iter().chain(q.iter().map(f64::to_string)))?;
+        }
+    }
+    out.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
 }
 
 /// `paths/<rank>.csv`: numbers in their shortest form that reads back the same.

@@ -72,7 +72,12 @@ fn run(speed: &str, with_own_path: bool) -> RunResult {
     let mut preset = load_preset("quick").unwrap();
     (preset.samples, preset.steps) = (3, 40);
     (preset.rollouts_search, preset.rollouts_final, preset.shortlist) = (3, 12, 3);
-    let request = Request { command: "ergopath plan scenario.toml".into(), seed: 1, preset };
+    let request = Request {
+        command: "ergopath plan scenario.toml".into(),
+        seed: 1,
+        preset,
+        keeps_rollouts: false,
+    };
     plan(&read_scenario(&file).unwrap(), &request, &|_, _, _| true).unwrap()
 }
 
