@@ -16,11 +16,11 @@
 //!
 //! plan:   scenario file ─ scenario             ─► Scenario           (worker, robot, task, limits)
 //!         ─ path::candidate                    ─► Vec<Candidate>     (via-points -> TCP paths)
-//!         ─ path::project (qp)                 ─► TimedPath | why not
+//!         ─ path::project (qp)                 ─► SmoothPath | why not
 //!         ─ robot                              ─► RobotMotion | why not
-//!         ─ posture::rollout                   ─► Rollouts           (sampled postures over time)
-//!         ─ human::pose, ergonomics            ─► Scores             (RULA, REBA per rollout and frame)
-//!         ─ planner                            ─► PlanResult         (ranked, compared, explained)
+//!         ─ posture::roll_out                  ─► Rollout            (sampled postures over time)
+//!         ─ human::Skeleton, ergonomics        ─► BodyScores         (RULA, REBA as distributions)
+//!         ─ planner                            ─► RunResult          (ranked, compared, explained)
 //!         ─ report                             ─► result.json, CSV, PNG, report.html
 //! ```
 //!

@@ -178,7 +178,10 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
             format!("pressing on limits  {at_limits} ({})", worst.join(", "))
         },
         format!("stature             {hint}"),
-        format!("low-pass filter     {} Hz", report.cutoff_hz),
+        format!(
+            "low-pass filter     {} Hz (Butterworth without phase lag, fourth order), then central differences",
+            report.cutoff_hz
+        ),
     ]
 }
 
