@@ -282,3 +282,72 @@ fn turning_and_moving_the_whole_cell_changes_nothing() {
         assert!((a - b).abs() < 1.5 / 31.0, "{a} {b}");
     }
 }
+
+#[test]
+fn a_batch_survives_a_broken_scenario_and_runs_can_be_compared() {
+    let (room, scenario) = workplace();
+    let broken = room.path().join("broken.toml");
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    std::fs::write(&broken, text.replace("facing_deg", "facing_degree")).unwrap();
+    let (out, both) = (room.path().join("batch"), room.path().join("both"));
+    let mut batch = ergopath();
+    batch.arg("batch").arg(&scenario).arg(&broken).arg("-o").arg(&out);
+    batch.arg("--planner").arg(room.path().join("tiny.toml")).assert().success();
+    let table = std::fs::read_to_string(out.join("comparison.csv")).unwrap();
+    assert!(table.contains("did you mean `facing_deg`?"), "{table}");
+    assert!(!table.contains(&room.path().display().to_string()), "{table}");
+    assert!(out.join("bench/report.html").is_file() && !out.join("broken").exists());
+
+    // The same bytes as a plan of its own, but for nothing.
+    plan(&room, &scenario, "alone").assert().success();
+    assert!(files(&out.join("bench")) == files(&room.path().join("alone")));
+
+    ergopath()
+        .arg("compare")
+        .arg(&out)
+        .arg(room.path().join("alone"))
+        .arg("-o")
+        .arg(&both)
+        .assert()
+        .success();
+    let table = std::fs::read_to_string(both.join("comparison.csv")).unwrap();
+    assert_eq!(table.lines().count(), 3, "{table}");
+    ergopath()
+        .arg("compare")
+        .arg(room.path())
+        .arg("-o")
+        .arg(&both)
+        .assert()
+        .code(0)
+        .stdout(predicate::str::contains("alone"));
+    ergopath().arg("compare").arg("nowhere").arg("-o").arg(&both).assert().code(2);
+}
+
+#[test]
+fn assessing_nothing_and_unreadable_paths_are_refused() {
+    let (room, scenario) = workplace();
+    let assess = |path: Option<&Path>| {
+        let mut command = ergopath();
+        command.arg("assess").arg(&scenario).arg("-o").arg(room.path().join("out"));
+        command.args(path.map(|p| [Path::new("--path"), p]).into_iter().flatten());
+        command
+    };
+    assess(None).assert().code(2).stderr(predicate::str::contains("names no path"));
+    for (text, word) in [
+        ("time_s,x_m\n0,1\n1,2\n", "neither"),
+        ("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,1,0,1,0,0\n0,1,1,1,0,1,0,0\n", "must rise"),
+        (
+            "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,nan,0,1,0,0\n1,1,1,1,0,1,0,0\n",
+            "not a finite number",
+        ),
+        (
+            "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,1,0,5,0,0\n1,1,1,1,0,1,0,0\n",
+            "quaternion has norm",
+        ),
+    ] {
+        let own = room.path().join("own.csv");
+        std::fs::write(&own, text).unwrap();
+        assess(Some(&own)).assert().code(2).stderr(predicate::str::contains(word));
+    }
+    assert!(!room.path().join("out").exists());
+}
