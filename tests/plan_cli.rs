@@ -336,14 +336,8 @@ fn assessing_nothing_and_unreadable_paths_are_refused() {
     for (text, word) in [
         ("time_s,x_m\n0,1\n1,2\n", "neither"),
         ("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,1,0,1,0,0\n0,1,1,1,0,1,0,0\n", "must rise"),
-        (
-            "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,nan,0,1,0,0\n1,1,1,1,0,1,0,0\n",
-            "not a finite number",
-        ),
-        (
-            "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,1,0,5,0,0\n1,1,1,1,0,1,0,0\n",
-            "quaternion has norm",
-        ),
+        ("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,nan,0,1,0,0\n1,1,1,1,0,1,0,0\n", "`nan`"),
+        ("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,1,1,0,5,0,0\n1,1,1,1,0,1,0,0\n", "quaternion"),
     ] {
         let own = room.path().join("own.csv");
         std::fs::write(&own, text).unwrap();
