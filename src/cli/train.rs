@@ -163,6 +163,7 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
         .map(|(joint, share)| format!("{joint} {:.0} %", 100.0 * share))
         .collect();
     let at_limits = format!("{:.0} % of the frames", 100.0 * report.frames_at_limit_share);
+    let offset = report.pelvis_offset_mm;
     let hint = report.stature_hint_m.map_or_else(
         || "not told by the recording".to_owned(),
         |s| format!("{s:.2} m by the arm; the body is {:.2} m", body.size.stature_m),
@@ -171,6 +172,15 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
         format!(
             "hand residual       median {:.1} mm, 95 % within {:.1} mm, largest {:.1} mm",
             hand.p50, hand.p95, hand.max
+        ),
+        // Else a difference of the two pelvis origins would be walked as a bent spine.
+        format!(
+            "pelvis offset       {:.0} {:.0} {:.0} mm (forward, up, right; constant, taken out before)",
+            offset[0], offset[1], offset[2]
+        ),
+        format!(
+            "coupling error      {:.3} m/s rms, hand speed {:.3} m/s rms",
+            report.coupling_error_m_s, report.hand_speed_m_s
         ),
         if worst.is_empty() {
             format!("pressing on limits  {at_limits}")
