@@ -55,7 +55,7 @@ impl<'a> Person<'a> {
                     name: body.name.clone(),
                     scenario,
                     coupling,
-                    surveyor: Surveyor::new(body, w.side, pelvis)?,
+                    surveyor: Surveyor::new(body, w.side, pelvis, w.stance)?,
                     world_to_pelvis: pelvis.inverse(),
                 })
             })

@@ -6,7 +6,7 @@ use crate::ergonomics::{
     Worksheet, arm_angles, reba, rula, trunk_neck_angles, worksheet,
 };
 use crate::files::InputError;
-use crate::human::{Body, PosedSkeleton, Segment, Side, Skeleton};
+use crate::human::{Body, PosedSkeleton, Segment, Side, Skeleton, Stance};
 use crate::math::{Pose, Rotation, Vec3};
 use crate::scenario::{NeckRule, Scenario};
 use nalgebra::DVector;
@@ -27,7 +27,7 @@ impl Lens {
     pub(super) fn of(scenario: &Scenario) -> Self {
         let t = &scenario.task;
         let w = &scenario.worker;
-        let is_seated = matches!(w.stance, crate::human::Stance::Seated { .. });
+        let is_seated = matches!(w.stance, Stance::Seated { .. });
         Self {
             task: TaskInputs {
                 load_kg: t.load_kg,
@@ -94,6 +94,7 @@ pub(super) struct Surveyor {
     whole: Skeleton,
     pelvis: Pose,
     side: Side,
+    is_seated: bool,
 }
 
 /// The segments that scores need, found once.
@@ -153,9 +154,16 @@ fn whole_posture(skeleton: &Skeleton, side: Side, q: &DVector<f64>) -> Vec<f64> 
 }
 
 impl Surveyor {
-    pub(super) fn new(body: &Body, side: Side, pelvis: Pose) -> Result<Self, InputError> {
+    /// For a body whose pelvis is at `pelvis` in the world.
+    pub(super) fn new(
+        body: &Body,
+        side: Side,
+        pelvis: Pose,
+        stance: Stance,
+    ) -> Result<Self, InputError> {
         let whole = Skeleton::new(body, side, true)?;
-        Ok(Self { upper: Measured::new(body, side)?, whole, pelvis, side })
+        let is_seated = matches!(stance, Stance::Seated { .. });
+        Ok(Self { upper: Measured::new(body, side)?, whole, pelvis, side, is_seated })
     }
 
     pub(super) fn measure(&self, q: &DVector<f64>) -> PostureAngles {
@@ -205,7 +213,21 @@ impl Surveyor {
 
     /// Bones as segments in the world, for drawings.
     pub(super) fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
-        let posed = self.whole.pose(&whole_posture(&self.whole, self.side, q));
+        let mut all = whole_posture(&self.whole, self.side, q);
+        if self.is_seated {
+            // Thighs level, shanks upright: legs are not predicted, only drawn.
+            for (joint, deg) in [
+                ("RightHip", 90.0f64),
+                ("LeftHip", 90.0),
+                ("RightKnee", -90.0),
+                ("LeftKnee", -90.0),
+            ] {
+                if let Some(c) = self.whole.column(&format!("j{joint}_Z")) {
+                    all[c] = deg.to_radians();
+                }
+            }
+        }
+        let posed = self.whole.pose(&all);
         let at = |name: &str| -> [f64; 3] {
             (self.pelvis * posed.segment(name)).translation.vector.into()
         };
@@ -236,12 +258,12 @@ fn gaze(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Rotation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::human::Stance;
 
     fn surveyor(side: Side) -> (Body, Surveyor) {
         let body = Body::load("male_p50", std::path::Path::new(".")).unwrap();
-        let pelvis = body.pelvis_pose([1.0, -2.0], 0.7, Stance::Standing { shoe_m: 0.03 });
-        let surveyor = Surveyor::new(&body, side, pelvis).unwrap();
+        let stance = Stance::Standing { shoe_m: 0.03 };
+        let pelvis = body.pelvis_pose([1.0, -2.0], 0.7, stance);
+        let surveyor = Surveyor::new(&body, side, pelvis, stance).unwrap();
         (body, surveyor)
     }
 
@@ -300,5 +322,17 @@ mod tests {
         let a = angles(Side::Right, &[("jRightShoulder_Z", 45.0), ("jRightElbow_Y", 90.0)]);
         assert!(a.gaze.neck_flex_deg > 20.0, "{:?}", a.gaze);
         assert!(a.gaze.neck_twist_deg < -5.0, "to the right: {:?}", a.gaze);
+    }
+
+    #[test]
+    fn nobody_is_drawn_through_the_floor() {
+        let body = Body::load("male_p95", std::path::Path::new(".")).unwrap();
+        for stance in [Stance::Standing { shoe_m: 0.03 }, Stance::Seated { seat_height_m: 0.46 }] {
+            let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
+            let surveyor = Surveyor::new(&body, Side::Right, pelvis, stance).unwrap();
+            let bones = surveyor.bones(&DVector::zeros(body.arm(Side::Right).unwrap().dof()));
+            let lowest = bones.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+            assert!((0.0..0.15).contains(&lowest), "{stance:?}: {lowest}");
+        }
     }
 }

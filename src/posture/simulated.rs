@@ -44,12 +44,8 @@ pub fn simulated_operator(body: &Body, side: Side) -> Result<PostureModel, Input
     let postures = PostureDistribution { mean, covariance: spread.clone() };
     // Velocities: as the postures spread, with the elbow and the shoulder's flexion tied.
     let mut weight = spread.clone();
-    let column = |name: &str| joints.iter().position(|j| j.ends_with(name));
-    if let (Some(s), Some(e)) = (column("Shoulder_Z").filter(|_| true), column("Elbow_Z")) {
-        let s = joints
-            .iter()
-            .position(|j| j.ends_with("tShoulder_Z") && !j.contains("C7"))
-            .unwrap_or(s);
+    let flexion = |kind: &str| joints.iter().position(|j| parts(j) == (kind, 0));
+    if let (Some(s), Some(e)) = (flexion("Shoulder"), flexion("Elbow")) {
         let tie = -0.6 * (weight[(s, s)] * weight[(e, e)]).sqrt();
         weight[(s, e)] = tie;
         weight[(e, s)] = tie;
@@ -162,7 +158,7 @@ fn posture_law(
         for forward in [0.16, 0.22, 0.28, 0.34] {
             for sideways in [-0.08, 0.03, 0.14, 0.24] {
                 let at = Vec3::new(forward * h, up * h, out * sideways * h);
-                let hand = Pose::from_parts(at.into(), grip_orientation(side));
+                let hand = Pose::from_parts(at.into(), grip_orientation());
                 let start = start_postures(coupling, postures, &StartRule::Mean, &hand, (0, 0), 1);
                 if let Some(q) = start.into_iter().next().and_then(|s| s.q) {
                     hands.push(hand);
@@ -183,8 +179,7 @@ fn posture_law(
 /// A vertical bar held before the body: grip z (thumb) up, palm towards the middle.
 ///
 /// In the pelvis frame (x forward, y up, z right) the wrist is behind the grip: y = -forward.
-pub(super) fn grip_orientation(side: Side) -> nalgebra::UnitQuaternion<f64> {
-    let _ = side;
+fn grip_orientation() -> nalgebra::UnitQuaternion<f64> {
     let (y, z) = (-Vec3::x(), Vec3::y());
     rotation_from_axes(y.cross(&z), y, z)
 }
@@ -199,7 +194,7 @@ mod tests {
         let hand = |s: f64| {
             let s = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
             let at = Vec3::new(0.38 + 0.06 * s, 0.02 + 0.35 * s, 0.02 + 0.25 * s);
-            Pose::from_parts(at.into(), grip_orientation(Side::Right))
+            Pose::from_parts(at.into(), grip_orientation())
         };
         let time: Vec<f64> = (0..=100).map(|i| 0.04 * f64::from(i)).collect();
         let hands = (0..=100).map(|i| hand(f64::from(i) / 100.0)).collect();
