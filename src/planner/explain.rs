@@ -20,9 +20,15 @@ fn best(candidates: &[CandidateResult]) -> Option<&CandidateResult> {
     candidates.iter().find(|c| c.status == Status::Feasible && c.evaluated == Evaluated::Reported)
 }
 
-/// The body with the highest expected RULA.
+/// Index of the body with the highest expected RULA.
+pub(super) fn worst_index(bodies: &[BodyScores]) -> Option<usize> {
+    let by_rula =
+        |a: &usize, b: &usize| bodies[*a].rula.expected.total_cmp(&bodies[*b].rula.expected);
+    (0..bodies.len()).max_by(by_rula)
+}
+
 fn worst_body(candidate: &CandidateResult) -> Option<&BodyScores> {
-    candidate.bodies.iter().max_by(|a, b| a.rula.expected.total_cmp(&b.rula.expected))
+    worst_index(&candidate.bodies).map(|i| &candidate.bodies[i])
 }
 
 /// The best path against every other path of the report, for every body.
@@ -166,14 +172,10 @@ fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
-/// The inputs of the scores, where they come from, and what one class more would change.
-pub(super) fn inputs(
-    scenario: &Scenario,
-    lens: &Lens,
-    walks: Option<&[Walks]>,
-) -> Vec<InputOrigin> {
-    // The change for the body that is listed first.
-    let now = walks.and_then(|w| w.first()).map(|w| (w, w.expected(lens)));
+/// The inputs of the scores, where they come from, and what one class more would change for the
+/// person of `walks`: the body of the verdict on the best path.
+pub(super) fn inputs(scenario: &Scenario, lens: &Lens, walks: Option<&Walks>) -> Vec<InputOrigin> {
+    let now = walks.map(|w| (w, w.expected(lens)));
     let look = Look { lens, now };
     let mut all = posture_inputs(scenario, &look);
     all.extend(task_inputs(scenario, &look));

@@ -1,7 +1,9 @@
 //! The stages in order: prepare, search, select, report.
 
 use super::evaluate::{Person, Walks};
-use super::explain::{comparisons, inputs, model_summary, not_modelled, setting, verdict};
+use super::explain::{
+    comparisons, inputs, model_summary, not_modelled, setting, verdict, worst_index,
+};
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
 use super::result::{
@@ -146,7 +148,8 @@ fn run(
         evaluator.report(&prepared[i], preset.rollouts_final)
     })?;
     let mut results: Vec<CandidateResult> = Vec::new();
-    let mut best_walks: Option<Vec<Walks>> = None;
+    // The best path's walks of the body that scores worst: the one of the verdict.
+    let mut best_walks: Option<Walks> = None;
     let mut rollouts = Vec::new();
     for ((&(i, value), (mut result, walks)), rank) in ranked.iter().zip(reported).zip(1..) {
         result.rank = Some(rank);
@@ -155,7 +158,8 @@ fn run(
             rollouts.extend(evaluator.tables(&prepared[i], &walks, rank));
         }
         if best_walks.is_none() && result.status == Status::Feasible {
-            best_walks = Some(walks);
+            let worst = worst_index(&result.bodies);
+            best_walks = worst.and_then(|i| walks.into_iter().nth(i));
         }
         results.push(result);
     }
@@ -172,7 +176,7 @@ fn run(
     for p in prepared.iter().filter(|p| !p.is_walkable()) {
         results.push(bare(p, Evaluated::None));
     }
-    let mut result = assemble(scenario, request, &lens, results, best_walks.as_deref());
+    let mut result = assemble(scenario, request, &lens, results, best_walks.as_ref());
     result.rollouts = rollouts;
     Ok(result)
 }
@@ -182,7 +186,7 @@ fn assemble(
     request: &Request,
     lens: &Lens,
     candidates: Vec<CandidateResult>,
-    best_walks: Option<&[Walks]>,
+    best_walks: Option<&Walks>,
 ) -> RunResult {
     let comparisons = comparisons(&candidates);
     let inputs = inputs(scenario, lens, best_walks);
