@@ -14,7 +14,8 @@ use ergopath::math::pose::{interpolate, rotation_from_axes};
 use ergopath::math::stream::{Purpose, normals, stream};
 use ergopath::math::{Pose, Vec3};
 use ergopath::posture::{
-    Coupling, HandPath, Hold, PostureModel, StartRule, roll_out, simulated_operator, start_postures,
+    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, StartRule, roll_out,
+    simulated_operator, start_postures,
 };
 use ergopath::training::motion_text;
 use nalgebra::UnitQuaternion;
@@ -109,9 +110,10 @@ fn reach(
     let starts =
         start_postures(coupling, &operator.postures, &StartRule::Sampled, &from, (SEED, draw), 1);
     let start = starts.first().filter(|s| s.q.is_some() && !s.is_unusual)?;
-    let noise = operator.noise.path(&mut rng, times.len(), 1.0 / RATE_HZ);
-    let path = HandPath::new(coupling, operator, times.clone(), hands);
-    let rollout = roll_out(coupling, operator, &path, start, Some(&noise));
+    let sampler = Sampler::new(&operator.law, Sampling::Pathwise)?;
+    let person = sampler.draw(&mut rng, times.len(), 1.0 / RATE_HZ);
+    let path = HandPath::new(coupling, &operator.law, times.clone(), hands);
+    let rollout = roll_out(coupling, &operator.law, &path, start, Some(&person));
     if rollout.reach_exceeded_at.is_some() {
         return None;
     }

@@ -1,9 +1,11 @@
 //! Mathematics that is true of any robot, body or cost: poses, weighted pseudo-inverses, statistics,
 //! random streams and filters.
 
+pub mod dense;
 pub mod pose;
 pub mod redundancy;
 pub mod signal;
+pub mod simd;
 pub mod stats;
 pub mod stream;
 

@@ -21,20 +21,24 @@ mod fit_report;
 mod fit_tests;
 mod methods;
 mod motion_file;
+mod noise_fit;
+mod rollout_check;
 mod settings;
 mod spread;
 mod targets;
 mod train;
 
-pub use dataset::{Dataset, Fold, Frame, Trial};
-pub use evaluate::{evaluate, path_error_deg};
+pub use dataset::{DataRow, Dataset, Fold, Frame, Trial};
+pub use evaluate::{
+    Evaluation, GroupScore, Judging, MethodScore, Percentiles, evaluate, learn_with_noise,
+};
 pub use export::data_csv;
 pub use fit::{FitSettings, JointMotion, fit};
 pub use fit_report::{FitReport, SegmentLength, Spread};
-pub use methods::{Law, learn_laws};
+pub use methods::{Law, WeightUncertainty, learn_laws};
 pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion};
-pub use settings::TrainSettings;
-pub use spread::{
-    Residual, covariance, learn_attraction, learn_noise, learn_postures, pull, unseen_residuals,
-};
+pub use noise_fit::learn_noise;
+pub use rollout_check::{Bands, RolloutScore, calibrated_noise, check_rollouts, path_error_deg};
+pub use settings::{Lengths, Objective, Optimiser, TrainSettings};
+pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};
 pub use train::train;

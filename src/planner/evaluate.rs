@@ -9,15 +9,26 @@ use crate::files::InputError;
 use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::math::stream::{Purpose, stream};
-use crate::posture::{Coupling, HandPath, NoisePath, Rollout, Start, roll_out, start_postures};
+use crate::posture::{
+    Coupling, FunctionDraw, HandPath, Rollout, Sampler, Sampling, Start, roll_out, start_postures,
+};
 use crate::robot::stick;
 use crate::scenario::{OtherArm, Scenario};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Offset of the block number for the noise stream, so that start and noise draw from other streams.
 const NOISE_BLOCK: u32 = 1 << 16;
+/// The same for the posterior functions.
+const FUNCTION_BLOCK: u32 = 1 << 17;
+
+fn broken_process(model: &str) -> InputError {
+    InputError::new(model, "holds a process whose kernel matrix is not positive definite")
+        .remedy("train the model again")
+}
 
 /// One body in the scenario.
 pub(super) struct Person<'a> {
@@ -26,7 +37,12 @@ pub(super) struct Person<'a> {
     coupling: Coupling,
     surveyor: Surveyor,
     world_to_pelvis: Pose,
+    sampler: Sampler<'a>,
+    /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
+    functions: Mutex<BTreeMap<(u64, u32), Functions>>,
 }
+
+type Functions = Arc<Vec<Arc<[FunctionDraw]>>>;
 
 /// One walk of one person, with the angles of every frame.
 pub(super) struct Walk {
@@ -57,6 +73,9 @@ impl<'a> Person<'a> {
                     coupling,
                     surveyor: Surveyor::new(body, w.side, pelvis, w.stance)?,
                     world_to_pelvis: pelvis.inverse(),
+                    sampler: Sampler::new(&w.model.law, Sampling::Pathwise)
+                        .ok_or_else(|| broken_process(&w.model.name))?,
+                    functions: Mutex::default(),
                 })
             })
             .collect()
@@ -70,7 +89,7 @@ impl<'a> Person<'a> {
     /// `count` people along a path. The same (seed, block) means the same people on every path.
     pub(super) fn walk(&self, path: &TimedPath, (seed, block): (u64, u32), count: usize) -> Walks {
         let model = &self.scenario.worker.model;
-        let hand = HandPath::new(&self.coupling, model, path.time_s.clone(), self.targets(path));
+        let hand = HandPath::new(&self.coupling, &model.law, path.time_s.clone(), self.targets(path));
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
         let starts = start_postures(
             &self.coupling,
@@ -80,18 +99,35 @@ impl<'a> Person<'a> {
             (seed, block),
             count,
         );
+        let functions = self.functions((seed, block), count);
         let walks = starts
             .into_par_iter()
             .enumerate()
             .map(|(r, start)| {
                 let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
-                let noise: NoisePath = model.noise.path(&mut rng, hand.len(), dt);
-                let rollout = roll_out(&self.coupling, model, &hand, &start, Some(&noise));
+                let person = self.sampler.person(functions[r].clone(), &mut rng, hand.len(), dt);
+                let rollout = roll_out(&self.coupling, &model.law, &hand, &start, Some(&person));
                 let angles = rollout.q.iter().map(|q| self.surveyor.measure(q)).collect();
                 Walk { rollout, angles, start }
             })
             .collect();
         Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
+    }
+
+    /// At least `count` people's functions of a block.
+    fn functions(&self, (seed, block): (u64, u32), count: usize) -> Functions {
+        // A poisoned lock holds whole entries all the same.
+        let mut known = self.functions.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = known.get(&(seed, block)).filter(|f| f.len() >= count) {
+            return found.clone();
+        }
+        let draw = |r: usize| {
+            let mut rng = stream(seed, Purpose::Posture, FUNCTION_BLOCK + block, r as u32);
+            self.sampler.functions(&mut rng)
+        };
+        let drawn: Functions = Arc::new((0..count).into_par_iter().map(draw).collect());
+        known.insert((seed, block), drawn.clone());
+        drawn
     }
 
     /// The walks as a table; each ends where its reach is exceeded.

@@ -18,6 +18,9 @@ pub enum Hold {
     FreeRoll,
     /// Position only: 3 rows.
     Point,
+    /// Position in the base's x-y plane: 2 rows. For planar chains; not for scenarios.
+    #[serde(skip)]
+    Planar,
 }
 
 impl Hold {
@@ -27,7 +30,13 @@ impl Hold {
             Self::Rigid => 6,
             Self::FreeRoll => 5,
             Self::Point => 3,
+            Self::Planar => 2,
         }
+    }
+
+    /// How many of the rows are displacements; the others are rotations.
+    pub fn linear_rows(self) -> usize {
+        self.rows().min(3)
     }
 }
 
@@ -55,6 +64,23 @@ impl Coupling {
         let arm = body.arm(side)?;
         let limits = body.limits(&arm);
         Ok(Self { arm, limits, hold, stature_m: body.size.stature_m })
+    }
+
+    /// A chain on its own, with the joint limits of its model.
+    ///
+    /// Lengths are compared as they are: the stature is 1.
+    pub fn of_chain(chain: Linkage, hold: Hold) -> Self {
+        let limits = PostureLimits {
+            lower: chain.joints().iter().map(|j| j.lower).collect(),
+            upper: chain.joints().iter().map(|j| j.upper).collect(),
+            sums: Vec::new(),
+        };
+        Self { arm: chain, limits, hold, stature_m: 1.0 }
+    }
+
+    /// Which motions of the hand are prescribed.
+    pub fn hold(&self) -> Hold {
+        self.hold
     }
 
     /// Number of joints of the chain, n.
@@ -87,7 +113,8 @@ impl Coupling {
 
     fn task_rows(&self, full: &Matrix6xX<f64>, pose: &Pose) -> DMatrix<f64> {
         let mut rows = DMatrix::zeros(self.hold.rows(), full.ncols());
-        rows.rows_mut(0, 3).copy_from(&full.fixed_rows::<3>(0));
+        let linear = self.hold.linear_rows();
+        rows.rows_mut(0, linear).copy_from(&full.rows(0, linear));
         match self.hold {
             Hold::Rigid => rows.rows_mut(3, 3).copy_from(&full.fixed_rows::<3>(3)),
             Hold::FreeRoll => {
@@ -96,19 +123,19 @@ impl Coupling {
                     rows.row_mut(3 + i).copy_from(&(axis.transpose() * angular));
                 }
             }
-            Hold::Point => {}
+            Hold::Point | Hold::Planar => {}
         }
         rows
     }
 
     /// What the task prescribes of a twist or pose error given in base axes.
     fn task_part(&self, twist: &Vec6, pose: &Pose) -> DVector<f64> {
-        let mut part = vec![twist[0], twist[1], twist[2]];
+        let mut part = twist.as_slice()[..self.hold.linear_rows()].to_vec();
         let angular = Vec3::new(twist[3], twist[4], twist[5]);
         match self.hold {
             Hold::Rigid => part.extend_from_slice(angular.as_slice()),
             Hold::FreeRoll => part.extend(grip_cross_axes(pose).iter().map(|a| a.dot(&angular))),
-            Hold::Point => {}
+            Hold::Point | Hold::Planar => {}
         }
         DVector::from_vec(part)
     }
@@ -124,7 +151,7 @@ impl Coupling {
                 let roll = 2.0 * between.k.atan2(between.w);
                 target.rotation * UnitQuaternion::from_axis_angle(&Vec3::z_axis(), roll)
             }
-            Hold::Point => *usual,
+            Hold::Point | Hold::Planar => *usual,
         };
         Pose::from_parts(target.translation, rotation)
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Schema id and version; a reader refuses any other.
-pub const MODEL_SCHEMA: &str = "ergopath/posture-model/1";
+pub const MODEL_SCHEMA: &str = "ergopath/posture-model/2";
 
 /// Models that ship inside the program.
 const SHIPPED: &[(&str, &str)] =

@@ -1,38 +1,82 @@
 //! The posture model: everything learned about one person, with where it came from.
 
-use super::attraction::Attraction;
-use super::noise::Noise;
-use super::null_space_gp::NullSpaceGp;
+use super::law::PostureLaw;
 use crate::human::{BodySize, Side};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// A choice of z and W in the conditioned Gaussian.
+/// A choice of z and W in the conditioned Gaussian; the paper's six, ours, and the plain one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// W = I: the plain pseudo-inverse.
-    PlainIk,
-    /// A diagonal W by least squares.
-    WIk,
-    /// A full W: the shrunk second moment of the joint velocities.
-    FullW,
     /// The paper's: a diagonal W and a Gaussian process in the null space.
     MiNsgp,
+    /// A Gaussian process for the joint velocity itself; the task is not met.
+    Gp,
+    /// A diagonal W by least squares.
+    WIk,
+    /// W = I and a Gaussian process in the null space.
+    Nsgp,
+    /// W = I and one normal distribution in the null space.
+    SbM,
+    /// A movement primitive conditioned on the hand's velocity.
+    Promp,
+    /// A full W: the shrunk second moment of the joint velocities.
+    FullW,
+    /// The full W and a Gaussian process on top.
+    FullWGp,
+    /// W = I: the plain pseudo-inverse.
+    PlainIk,
 }
 
 impl Method {
-    /// All methods, in the order in which they are shown.
-    pub const ALL: [Self; 4] = [Self::PlainIk, Self::WIk, Self::FullW, Self::MiNsgp];
+    /// The paper's six and ours.
+    pub const EIGHT: [Self; 8] = [
+        Self::MiNsgp,
+        Self::Gp,
+        Self::WIk,
+        Self::Nsgp,
+        Self::SbM,
+        Self::Promp,
+        Self::FullW,
+        Self::FullWGp,
+    ];
+    /// All methods, the plain pseudo-inverse first for comparison.
+    pub const ALL: [Self; 9] = [
+        Self::PlainIk,
+        Self::WIk,
+        Self::FullW,
+        Self::MiNsgp,
+        Self::FullWGp,
+        Self::Nsgp,
+        Self::SbM,
+        Self::Promp,
+        Self::Gp,
+    ];
 
     /// Name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
-            Self::PlainIk => "plain-ik",
-            Self::WIk => "w-ik",
-            Self::FullW => "full-w",
             Self::MiNsgp => "mi-nsgp",
+            Self::Gp => "gp",
+            Self::WIk => "w-ik",
+            Self::Nsgp => "nsgp",
+            Self::SbM => "sb-m",
+            Self::Promp => "promp",
+            Self::FullW => "full-w",
+            Self::FullWGp => "full-w-gp",
+            Self::PlainIk => "plain-ik",
         }
+    }
+
+    /// Whether its W is searched or moulded from the data.
+    pub fn identifies_weights(self) -> bool {
+        matches!(self, Self::MiNsgp | Self::WIk | Self::FullW | Self::FullWGp)
+    }
+
+    /// Whether it has a Gaussian process.
+    pub fn has_process(self) -> bool {
+        matches!(self, Self::MiNsgp | Self::Nsgp | Self::FullWGp | Self::Gp)
     }
 }
 
@@ -79,6 +123,12 @@ pub struct MethodQuality {
     pub log_likelihood: f64,
     /// Mean joint error along the held-out hand path, deg; without and with the attraction.
     pub path_error_deg: Option<(f64, f64)>,
+    /// Share of held-out joint angles inside the 50 and 90 % band of rollouts.
+    pub coverage: Option<(f64, f64)>,
+    /// Mean width of the 90 % band, deg.
+    pub band_width_deg: Option<f64>,
+    /// Log-likelihood of whole held-out trajectories, nats per frame.
+    pub trajectory_log_likelihood: Option<f64>,
 }
 
 /// Where a model comes from.
@@ -113,14 +163,8 @@ pub struct PostureModel {
     pub size: BodySize,
     /// Joints of the chain, n names.
     pub joints: Vec<String>,
-    /// W, n x n, (rad/s)^2.
-    pub weight: DMatrix<f64>,
-    /// The pull towards the person's postures.
-    pub attraction: Option<Attraction>,
-    /// The null-space process of MI-NsGP.
-    pub gp: Option<NullSpaceGp>,
-    /// What differs between repetitions.
-    pub noise: Noise,
+    /// z and W, the pull, and what differs between repetitions.
+    pub law: PostureLaw,
     /// The person's postures.
     pub postures: PostureDistribution,
     /// Held-out quality of this and the other methods.
@@ -135,7 +179,7 @@ impl PostureModel {
     /// W is only known up to its scale, and single joints are poorly determined; groups are stable.
     pub fn weight_by_group(&self) -> Vec<(&'static str, f64)> {
         let groups = ["spine", "girdle", "shoulder", "elbow", "wrist"];
-        let total = self.weight.trace();
+        let total = self.law.weight.trace();
         groups
             .into_iter()
             .map(|g| {
@@ -144,7 +188,7 @@ impl PostureModel {
                     .iter()
                     .enumerate()
                     .filter(|(_, j)| group_of(j) == g)
-                    .map(|(i, _)| self.weight[(i, i)])
+                    .map(|(i, _)| self.law.weight[(i, i)])
                     .sum();
                 (g, share / total)
             })

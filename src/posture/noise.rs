@@ -1,11 +1,14 @@
-//! What differs from one repetition to the next: correlated noise in the joint velocities.
+//! What differs from one repetition to the next: noise in the preferred joint velocity.
 //!
 //! ```text
-//! e(t) = F u(t) sqrt(|v|^2 + v0^2)     u: Ornstein-Uhlenbeck, unit variance, correlation time tau
-//! |v|^2 = |linear|^2 + (0.3 m |angular|)^2
+//! e(t) = g(v) F (sqrt(a_w) w(t) + sqrt(a_u) u(t) + sqrt(a_b) b)       a_w + a_u + a_b = 1
+//! u    Ornstein-Uhlenbeck, unit variance, correlation time tau
+//! b    one draw for the whole movement (between movements of one person)
+//! w    white: its integral over a time t has variance dt_0 t, dt_0 the interval of the data
+//! g^2  = 1 - s + s |v|^2 / v_rms^2,    |v|^2 = |linear|^2 + (0.3 m |angular|)^2
 //! ```
-//! `F F^T` is the residual covariance per unit of hand speed. The process is exact for any time step
-//! (AR(1) with factor exp(-dt/tau)), so the spread of postures does not depend on the step.
+//! `F F^T` is the covariance of the residuals at rms hand speed. The integral of every part is that of
+//! a process in continuous time, so the spread of postures does not depend on the time step.
 
 use crate::math::stream::normals;
 use nalgebra::{DMatrix, DVector};
@@ -15,64 +18,126 @@ use serde::{Deserialize, Serialize};
 /// Length by which an angular speed counts like a linear one, m/rad.
 const ROTATION_LENGTH_M: f64 = 0.3;
 
+/// Shares of the variance of the noise; they sum to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseShares {
+    /// Independent from one sample of the data to the next.
+    pub white: f64,
+    /// Correlated over the correlation time.
+    pub correlated: f64,
+    /// The same for a whole movement.
+    pub lasting: f64,
+}
+
 /// Parameters of the noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
-    /// F, n x r: joint velocity (rad/s) per unit of u and of hand speed (m/s).
+    /// F, n x r, rad/s at rms hand speed.
     pub factor: DMatrix<f64>,
-    /// Correlation time, s.
+    /// How the variance is shared out in time.
+    pub shares: NoiseShares,
+    /// Correlation time tau, s.
     pub correlation_time_s: f64,
-    /// v0: hand speed below which the noise no longer shrinks, m/s.
-    pub speed_floor_m_s: f64,
+    /// Interval of the samples from which the white share was estimated, s.
+    pub white_interval_s: f64,
+    /// s: share of the variance that grows with the square of the hand speed.
+    pub speed_share: f64,
+    /// Rms hand speed of the data, m/s.
+    pub speed_rms_m_s: f64,
 }
 
 impl Noise {
     /// No noise at all, for n joints.
     pub fn none(n: usize) -> Self {
-        Self { factor: DMatrix::zeros(n, 0), correlation_time_s: 1.0, speed_floor_m_s: 0.0 }
+        Self::correlated(DMatrix::zeros(n, 0), 1.0)
     }
 
-    /// The speed that scales the noise, m/s. `task` holds linear and angular velocity (or less).
-    pub fn speed(&self, task: &[f64]) -> f64 {
-        effective_speed(task, self.speed_floor_m_s)
+    /// Correlated noise that does not depend on the hand speed.
+    pub fn correlated(factor: DMatrix<f64>, correlation_time_s: f64) -> Self {
+        Self {
+            factor,
+            shares: NoiseShares { white: 0.0, correlated: 1.0, lasting: 0.0 },
+            correlation_time_s,
+            white_interval_s: 1.0,
+            speed_share: 0.0,
+            speed_rms_m_s: 1.0,
+        }
     }
 
-    /// One sample path of u at times `dt` apart, r values for each of `count` times.
+    /// g: the factor by which the hand's velocity (linear, then angular) scales the noise.
+    pub fn gain(&self, task: &[f64]) -> f64 {
+        gain(self.speed_share, self.speed_rms_m_s, task)
+    }
+
+    /// `F F^T`, n x n, (rad/s)^2.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        &self.factor * self.factor.transpose()
+    }
+
+    /// Correlation of the noise of two samples `lag_s` apart; 1 for the same sample.
+    pub fn correlation(&self, lag_s: f64) -> f64 {
+        let white = if lag_s == 0.0 { self.shares.white } else { 0.0 };
+        let decay = (-lag_s.abs() / self.correlation_time_s).exp();
+        self.shares.lasting + self.shares.correlated * decay + white
+    }
+
+    /// One sample path at `count` times `dt` (s) apart, before the gain. Longer paths begin like
+    /// shorter ones.
     pub fn path(&self, rng: &mut ChaCha8Rng, count: usize, dt: f64) -> NoisePath {
         let r = self.factor.ncols();
+        let mut draw = || DVector::from_vec(normals(rng, r));
         let keep = (-dt / self.correlation_time_s).exp();
         let fresh = (1.0 - keep * keep).sqrt();
-        let mut u = DVector::from_vec(normals(rng, r));
-        let mut samples = Vec::with_capacity(count);
+        let lasting = draw() * self.shares.lasting.sqrt();
+        let mut u = draw();
+        let white = (self.shares.white * self.white_interval_s / dt).sqrt();
+        let (mut smooth, mut held) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for _ in 0..count {
-            samples.push(&self.factor * &u);
-            let kick = DVector::from_vec(normals(rng, r));
-            u = u * keep + kick * fresh;
+            smooth.push(&self.factor * (&u * self.shares.correlated.sqrt() + &lasting));
+            u = u * keep + draw() * fresh;
+            held.push(&self.factor * (draw() * white));
         }
-        NoisePath { samples }
+        NoisePath { smooth, held }
+    }
+
+    /// The published sampler: independent at each of `count` samples, whatever their distance.
+    pub fn independent(&self, rng: &mut ChaCha8Rng, count: usize) -> NoisePath {
+        let (n, r) = self.factor.shape();
+        let held = (0..count).map(|_| &self.factor * DVector::from_vec(normals(rng, r))).collect();
+        NoisePath { smooth: vec![DVector::zeros(n); count], held }
     }
 }
 
-/// Hand speed with a floor: `sqrt(|linear|^2 + (0.3 m |angular|)^2 + floor^2)`, m/s.
-pub fn effective_speed(task: &[f64], floor: f64) -> f64 {
-    let linear: f64 = task.iter().take(3).map(|v| v * v).sum();
-    let angular: f64 = task.iter().skip(3).map(|w| (ROTATION_LENGTH_M * w).powi(2)).sum();
-    (linear + angular + floor * floor).sqrt()
+/// `sqrt(1 - s + s |v|^2 / v_rms^2)`.
+pub fn gain(speed_share: f64, speed_rms_m_s: f64, task: &[f64]) -> f64 {
+    let relative = speed_squared(task) / (speed_rms_m_s * speed_rms_m_s);
+    (1.0 - speed_share + speed_share * relative).sqrt()
 }
 
-/// `F u` at the samples of a path, before scaling by the speed.
+/// `|linear|^2 + (0.3 m |angular|)^2`, (m/s)^2. `task` holds linear and angular velocity (or less).
+pub fn speed_squared(task: &[f64]) -> f64 {
+    let linear: f64 = task.iter().take(3).map(|v| v * v).sum();
+    let angular: f64 = task.iter().skip(3).map(|w| (ROTATION_LENGTH_M * w).powi(2)).sum();
+    linear + angular
+}
+
+/// The noise at the samples of a path, before the gain, n each (rad/s).
 #[derive(Debug, Clone)]
 pub struct NoisePath {
-    samples: Vec<DVector<f64>>,
+    /// Interpolated between samples.
+    smooth: Vec<DVector<f64>>,
+    /// Held from one sample to the next.
+    held: Vec<DVector<f64>>,
 }
 
 impl NoisePath {
-    /// Interpolates between sample `index` and the next; `part` in [0, 1].
+    /// Between sample `index` and the next; `part` in [0, 1].
     pub fn at(&self, index: usize, part: f64) -> DVector<f64> {
-        let last = self.samples.len() - 1;
-        let (a, b) = (&self.samples[index.min(last)], &self.samples[(index + 1).min(last)]);
-        a.lerp(b, part)
+        let last = self.smooth.len() - 1;
+        let (a, b) = (&self.smooth[index.min(last)], &self.smooth[(index + 1).min(last)]);
+        a.lerp(b, part) + &self.held[index.min(last)]
     }
 }
 
@@ -83,25 +148,36 @@ mod tests {
     use crate::math::stream::{Purpose, stream};
 
     #[test]
-    fn spread_and_correlation_do_not_depend_on_the_step() {
-        let noise = Noise {
-            factor: DMatrix::from_element(1, 1, 2.0),
-            correlation_time_s: 0.3,
-            speed_floor_m_s: 0.0,
-        };
-        for (dt, steps) in [(0.1, 10), (0.02, 50)] {
-            // Displacement over 1 s has variance 2 s^2 tau (T - tau (1 - exp(-T/tau))).
-            let ends: Vec<f64> = (0..4000)
-                .map(|i| {
-                    let mut rng = stream(1, Purpose::Posture, 0, i);
-                    let path = noise.path(&mut rng, steps + 1, dt);
-                    (0..steps).map(|k| path.at(k, 0.5)[0] * dt).sum()
-                })
-                .collect();
-            let (s, tau, t) = (2.0f64, 0.3, 1.0);
-            let exact = (2.0 * s * s * tau * (t - tau * (1.0 - f64::exp(-t / tau)))).sqrt();
-            let ratio = std_dev(&ends) / exact;
-            assert!((ratio - 1.0).abs() < 0.05, "dt {dt}: {ratio}");
+    fn spread_does_not_depend_on_the_step() {
+        let parts = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.3, 0.5, 0.2)];
+        for (white, correlated, lasting) in parts {
+            let noise = Noise {
+                factor: DMatrix::from_element(1, 1, 2.0),
+                shares: NoiseShares { white, correlated, lasting },
+                white_interval_s: 0.2,
+                ..Noise::correlated(DMatrix::zeros(1, 1), 0.3)
+            };
+            for (dt, steps) in [(0.1, 10), (0.02, 50)] {
+                let ends: Vec<f64> = (0..6000)
+                    .map(|i| {
+                        let mut rng = stream(1, Purpose::Posture, 0, i);
+                        let path = noise.path(&mut rng, steps + 1, dt);
+                        (0..steps).map(|k| path.at(k, 0.5)[0] * dt).sum()
+                    })
+                    .collect();
+                // Displacement over 1 s.
+                let (tau, t) = (0.3, 1.0);
+                let ou = 2.0 * tau * (t - tau * (1.0 - f64::exp(-t / tau)));
+                let exact = 2.0 * (white * 0.2 * t + correlated * ou + lasting * t * t).sqrt();
+                let ratio = std_dev(&ends) / exact;
+                assert!((ratio - 1.0).abs() < 0.04, "dt {dt}, {white} {correlated}: {ratio}");
+            }
         }
+    }
+
+    #[test]
+    fn gain_is_one_at_rms_speed() {
+        assert!((gain(0.7, 0.5, &[0.3, 0.4, 0.0]) - 1.0).abs() < 1e-12);
+        assert!((gain(0.75, 0.5, &[0.0; 6]) - 0.5).abs() < 1e-12);
     }
 }

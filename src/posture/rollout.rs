@@ -2,19 +2,18 @@
 //!
 //! ```text
 //! xdot = (x_d(t+h) - f(q)) / h           closed on the path (paper, section V-C)
-//! z    = lambda c(x) (m(x) - q) + gp(q, xdot) + e(t)
+//! z    = lambda c(x) (m(x) - q) + process(q, xdot) + e(t)
 //! qdot = z + J_W^+ (xdot - J z)          under limits, by lock and resolve
 //! ```
 //! Steps are at most 8 mm and 2 deg of hand travel. All poses are of the grip in the pelvis frame.
 
 use super::attraction::UsualPosture;
 use super::coupling::Coupling;
-use super::model::PostureModel;
-use super::noise::NoisePath;
+use super::law::{Person, PostureLaw, Query};
 use super::start::Start;
 use super::step::{ReachExceeded, StepSolver};
 use crate::kinematics::Frames;
-use crate::math::Pose;
+use crate::math::{Pose, Vec6};
 use crate::math::pose::{interpolate, pose_error};
 use nalgebra::{DMatrix, DVector};
 
@@ -41,11 +40,11 @@ impl HandPath {
     /// For times (s) and as many grip poses in the pelvis frame.
     pub fn new(
         coupling: &Coupling,
-        model: &PostureModel,
+        law: &PostureLaw,
         time_s: Vec<f64>,
         targets: Vec<Pose>,
     ) -> Self {
-        let usual = model.attraction.as_ref().map_or_else(Vec::new, |a| {
+        let usual = law.attraction.as_ref().map_or_else(Vec::new, |a| {
             let at = |t: &Pose| {
                 a.usual_posture(&coupling.looked_up(t, a.usual_orientation()), coupling.stature_m())
             };
@@ -93,38 +92,41 @@ pub struct Rollout {
     pub max_residual_rad: f64,
 }
 
-/// Walks one person along a path of grip poses (pelvis frame) at times `time_s`.
+/// Walks one person along a path of grip poses (pelvis frame) at times `time_s`; without a person,
+/// the law's mean.
 ///
-/// `noise` holds `F u` at the path samples, so that candidates of one duration share it.
+/// A person's noise is drawn for the samples of the path, so that candidates of one duration share it.
 pub fn roll_out(
     coupling: &Coupling,
-    model: &PostureModel,
+    law: &PostureLaw,
     path: &HandPath,
     start: &Start,
-    noise: Option<&NoisePath>,
+    person: Option<&Person>,
 ) -> Rollout {
     let mut walk = Walk {
         coupling,
-        model,
+        law,
         usual: &path.usual,
-        solver: StepSolver::new(model.weight.clone()),
+        solver: StepSolver::new(law.weight.clone()),
         frames: Frames::default(),
-        q: start.q.clone().unwrap_or_else(|| model.postures.mean.clone()),
+        q: start.q.clone().unwrap_or_else(|| DVector::zeros(law.dof())),
     };
     let HandPath { time_s, targets, .. } = path;
+    let linear = coupling.hold().linear_rows();
     let mut q = vec![walk.q.clone()];
     let mut reach_exceeded_at = start.q.is_none().then_some(0);
     let (mut max_m, mut sum_sq, mut max_rad) = (0.0f64, 0.0, 0.0f64);
     for k in 1..targets.len() {
         if reach_exceeded_at.is_none() {
             let span = time_s[k] - time_s[k - 1];
-            let leg = Leg { from: targets[k - 1], to: targets[k], span, index: k - 1 };
-            match walk.advance(&leg, noise) {
+            let phase = (k - 1) as f64 / (targets.len() - 1) as f64;
+            let leg = Leg { from: targets[k - 1], to: targets[k], span, index: k - 1, phase };
+            match walk.advance(&leg, person) {
                 Ok(error) => {
-                    let metres = error.rows(0, 3).norm();
+                    let metres = error.rows(0, linear).norm();
                     max_m = max_m.max(metres);
                     sum_sq += metres * metres;
-                    max_rad = max_rad.max(error.rows_range(3..).norm());
+                    max_rad = max_rad.max(error.rows_range(linear..).norm());
                 }
                 Err(ReachExceeded) => reach_exceeded_at = Some(k),
             }
@@ -147,11 +149,12 @@ struct Leg {
     to: Pose,
     span: f64,
     index: usize,
+    phase: f64,
 }
 
 struct Walk<'a> {
     coupling: &'a Coupling,
-    model: &'a PostureModel,
+    law: &'a PostureLaw,
     usual: &'a [UsualPosture],
     solver: StepSolver,
     frames: Frames,
@@ -163,16 +166,21 @@ impl Walk<'_> {
     fn advance(
         &mut self,
         leg: &Leg,
-        noise: Option<&NoisePath>,
+        person: Option<&Person>,
     ) -> Result<DVector<f64>, ReachExceeded> {
         let travel = pose_error(&leg.from, &leg.to);
-        let steps = (travel.fixed_rows::<3>(0).norm() / STEP_M)
-            .max(travel.fixed_rows::<3>(3).norm() / STEP_RAD)
-            .ceil()
-            .clamp(1.0, 200.0) as usize;
+        let mut steps = travel.fixed_rows::<3>(0).norm() / STEP_M;
+        if self.coupling.hold().rows() > 3 {
+            steps = steps.max(travel.fixed_rows::<3>(3).norm() / STEP_RAD);
+        }
+        let steps = steps.ceil().clamp(1.0, 200.0) as usize;
         let h = leg.span / steps as f64;
         // The path's own velocity: the hand's may differ in what the robot does not prescribe.
-        let twist = travel / leg.span;
+        let twist = self.law_twist(&(travel / leg.span));
+        let primitive = self.law.primitive.as_ref().map(|p| p.at(leg.phase));
+        if let Some((_, weight)) = &primitive {
+            self.solver.set_weight(weight.clone());
+        }
         let mut error = DVector::zeros(0);
         for step in 0..steps {
             let part = (step + 1) as f64 / steps as f64;
@@ -180,23 +188,45 @@ impl Walk<'_> {
             let now = self.coupling.observe(&self.q, &mut self.frames);
             let task = self.coupling.task_error(&now.pose, &target) / h;
             let done = step as f64 / steps as f64;
-            let mut preferred = self.pull(leg.index, done);
-            if let Some(gp) = &self.model.gp {
-                preferred += gp.mean(self.q.as_slice(), twist.as_slice());
+            let at = Query { q: &self.q, xdot: &twist, jacobian: &now.jacobian, phase: leg.phase };
+            let mut preferred = match person {
+                Some(person) => person.preferred(self.law, &at, leg.index, done),
+                None => self.law.preferred(at.q, at.xdot),
+            };
+            if let Some((mean, _)) = &primitive {
+                preferred += mean;
             }
-            if let Some(noise) = noise {
-                let at = noise.at(leg.index, done);
-                preferred += at * self.model.noise.speed(twist.as_slice());
+            preferred += self.pull(leg.index, done);
+            if self.law.is_direct {
+                self.drift(&preferred, h)?;
+                let now = self.coupling.observe(&self.q, &mut self.frames);
+                error = self.coupling.task_error(&now.pose, &target);
+            } else {
+                self.step(&now.jacobian, &task, &preferred, h)?;
+                error = self.correct(&target)?;
             }
-            self.step(&now.jacobian, &task, &preferred, h)?;
-            error = self.correct(&target)?;
         }
         Ok(error)
     }
 
+    /// A twist as the law was trained: its rows, and speeds over stature.
+    fn law_twist(&self, twist: &Vec6) -> DVector<f64> {
+        let scale = self.law.stature_m / self.coupling.stature_m();
+        let mut own = DVector::from_column_slice(&twist.as_slice()[..self.law.task_rows.min(6)]);
+        let linear = own.len().min(3);
+        own.rows_mut(0, linear).scale_mut(scale);
+        own
+    }
+
+    /// A step that does not look at the hand: joints stop at their limits.
+    fn drift(&mut self, velocity: &DVector<f64>, h: f64) -> Result<(), ReachExceeded> {
+        let none = DMatrix::zeros(0, self.q.len());
+        self.step(&none, &DVector::zeros(0), velocity, h)
+    }
+
     /// lambda c(x) (m(x) - q), between two samples of the path.
     fn pull(&self, index: usize, part: f64) -> DVector<f64> {
-        let (Some(attraction), Some(a)) = (&self.model.attraction, self.usual.get(index)) else {
+        let (Some(attraction), Some(a)) = (&self.law.attraction, self.usual.get(index)) else {
             return DVector::zeros(self.q.len());
         };
         let b = self.usual.get(index + 1).unwrap_or(a);
@@ -225,8 +255,9 @@ impl Walk<'_> {
         for _ in 0..4 {
             let now = self.coupling.observe(&self.q, &mut self.frames);
             let error = self.coupling.task_error(&now.pose, target);
-            let metres = error.rows(0, 3).norm();
-            let radians = error.rows_range(3..).norm();
+            let linear = self.coupling.hold().linear_rows();
+            let metres = error.rows(0, linear).norm();
+            let radians = error.rows_range(linear..).norm();
             if metres <= CORRECT_BEYOND_M && radians <= 4.0 * CORRECT_BEYOND_M {
                 return Ok(error);
             }
@@ -235,6 +266,7 @@ impl Walk<'_> {
         }
         let now = self.coupling.observe(&self.q, &mut self.frames);
         let error = self.coupling.task_error(&now.pose, target);
-        if error.rows(0, 3).norm() > END_BEYOND_M { Err(ReachExceeded) } else { Ok(error) }
+        let linear = self.coupling.hold().linear_rows();
+        if error.rows(0, linear).norm() > END_BEYOND_M { Err(ReachExceeded) } else { Ok(error) }
     }
 }

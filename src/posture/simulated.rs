@@ -8,6 +8,7 @@
 use super::attraction::Attraction;
 use super::coupling::{Coupling, Hold};
 use super::model::{Method, PostureDistribution, PostureModel, Provenance};
+use super::law::PostureLaw;
 use super::noise::Noise;
 use super::start::{StartRule, start_postures};
 use crate::files::InputError;
@@ -16,6 +17,9 @@ use crate::math::pose::rotation_from_axes;
 use crate::math::{Pose, Vec3};
 use nalgebra::{DMatrix, DVector};
 
+/// Hand speed at which the noise is stated, m/s, and the part of its variance that grows with speed.
+const SPEED_RMS_M_S: f64 = 0.3;
+const SPEED_SHARE: f64 = 0.97;
 const SPINE_SHARE: [f64; 4] = [1.0, 0.44, 0.44, 0.33];
 
 /// The person's usual posture with a hand before the chest, deg: (joint without side, Z, X, Y).
@@ -51,18 +55,22 @@ pub fn simulated_operator(body: &Body, side: Side) -> Result<PostureModel, Input
         weight[(e, s)] = tie;
     }
     let attraction = posture_law(&coupling, &postures, body, side)?;
-    let noise =
-        Noise { factor: noise_factor(&spread), correlation_time_s: 0.35, speed_floor_m_s: 0.05 };
+    let noise = Noise {
+        speed_share: SPEED_SHARE,
+        speed_rms_m_s: SPEED_RMS_M_S,
+        ..Noise::correlated(noise_factor(&spread), 0.35)
+    };
     Ok(PostureModel {
         name: "simulated operator (truth)".to_owned(),
         method: Method::FullW,
         side,
         size: body.size,
         joints,
-        weight,
-        attraction: Some(attraction),
-        gp: None,
-        noise,
+        law: PostureLaw {
+            attraction: Some(attraction),
+            noise,
+            ..PostureLaw::of_weight(weight, body.size.stature_m, 6)
+        },
         postures,
         quality: Vec::new(),
         provenance: Provenance {
@@ -132,7 +140,7 @@ fn covariance(joints: &[String]) -> DMatrix<f64> {
     })
 }
 
-/// Noise: five standard deviations of the posture per second, per m/s of hand speed.
+/// Noise: five standard deviations of the posture per second, per m/s of hand speed, at rms speed.
 fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = covariance.clone().symmetric_eigen();
     let kept: Vec<usize> = (0..covariance.nrows())
@@ -140,7 +148,7 @@ fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
         .collect();
     DMatrix::from_fn(covariance.nrows(), kept.len(), |r, c| {
         let k = kept[c];
-        5.0 * eigen.eigenvalues[k].sqrt() * eigen.eigenvectors[(r, k)]
+        5.0 * SPEED_RMS_M_S * eigen.eigenvalues[k].sqrt() * eigen.eigenvectors[(r, k)]
     })
 }
 
@@ -188,7 +196,7 @@ fn grip_orientation() -> nalgebra::UnitQuaternion<f64> {
 mod tests {
     use super::*;
     use crate::math::stream::{Purpose, stream};
-    use crate::posture::{HandPath, roll_out};
+    use crate::posture::{HandPath, Sampler, Sampling, roll_out};
 
     fn lift() -> (Vec<f64>, Vec<Pose>) {
         let hand = |s: f64| {
@@ -226,9 +234,10 @@ mod tests {
                 let q = start.q.as_ref().unwrap_or_else(|| panic!("{name} {r} is out of reach"));
                 assert!(coupling.limits().violation(q.as_slice()) < 1e-9);
                 let mut rng = stream(1, Purpose::Posture, 1, r as u32);
-                let noise = model.noise.path(&mut rng, time.len(), 0.04);
-                let path = HandPath::new(&coupling, &model, time.clone(), hands.clone());
-                let rollout = roll_out(&coupling, &model, &path, start, Some(&noise));
+                let sampler = Sampler::new(&model.law, Sampling::Pathwise).unwrap();
+                let person = sampler.draw(&mut rng, time.len(), 0.04);
+                let path = HandPath::new(&coupling, &model.law, time.clone(), hands.clone());
+                let rollout = roll_out(&coupling, &model.law, &path, start, Some(&person));
                 assert_eq!(rollout.reach_exceeded_at, None, "{name} {r}");
                 assert!(rollout.max_residual_m < 2.1e-4, "{}", rollout.max_residual_m);
                 for q in &rollout.q {
@@ -250,12 +259,16 @@ mod tests {
             let t: Vec<f64> = time.iter().copied().step_by(every).collect();
             let h: Vec<Pose> = hands.iter().copied().step_by(every).collect();
             let count = t.len();
-            let path = HandPath::new(&coupling, &model, t, h);
+            let path = HandPath::new(&coupling, &model.law, t, h);
+            let sampler = Sampler::new(&model.law, Sampling::Pathwise).unwrap();
             let ends: Vec<DVector<f64>> = (0..400)
                 .map(|r| {
                     let mut rng = stream(2, Purpose::Posture, 0, r);
-                    let noise = model.noise.path(&mut rng, count, 0.04 * every as f64);
-                    roll_out(&coupling, &model, &path, &starts[0], Some(&noise)).q.pop().unwrap()
+                    let person = sampler.draw(&mut rng, count, 0.04 * every as f64);
+                    roll_out(&coupling, &model.law, &path, &starts[0], Some(&person))
+                        .q
+                        .pop()
+                        .unwrap()
                 })
                 .collect();
             let mean = ends.iter().sum::<DVector<f64>>() / 400.0;
@@ -277,8 +290,8 @@ mod tests {
         let starts =
             start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 1);
         let count = hands.len();
-        let path = HandPath::new(&coupling, &model, time, hands);
-        let rollout = roll_out(&coupling, &model, &path, &starts[0], None);
+        let path = HandPath::new(&coupling, &model.law, time, hands);
+        let rollout = roll_out(&coupling, &model.law, &path, &starts[0], None);
         assert!(rollout.reach_exceeded_at.is_some_and(|k| k > 10));
         assert_eq!(rollout.q.len(), count);
     }

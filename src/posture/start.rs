@@ -104,7 +104,9 @@ fn reach_from(
     for iteration in 0..MOST_ITERATIONS {
         let now = coupling.observe(&q, &mut frames);
         let error = coupling.task_error(&now.pose, hand);
-        let size = error.rows(0, 3).amax().max(0.4 * error.rows_range(3..).amax());
+        let linear = coupling.hold().linear_rows();
+        let turned = error.rows_range(linear..).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let size = error.rows(0, linear).amax().max(0.4 * turned);
         let is_polish = iteration >= SEARCH_ITERATIONS;
         // Short steps keep the linearised limits meaningful while the hand is far away; shorter ones
         // later end any switching of bounds. The polish only closes the rest of the error.

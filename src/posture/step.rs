@@ -33,6 +33,11 @@ impl StepSolver {
         Self { weight, locked: vec![None; n], sums: Vec::new() }
     }
 
+    /// Takes another weight of the same size.
+    pub fn set_weight(&mut self, weight: DMatrix<f64>) {
+        self.weight = weight;
+    }
+
     /// Joint velocity (n, rad/s) that meets `jacobian` (m x n) `qdot = task` (m), is otherwise the
     /// conditioned mean for the `preferred` velocity, and keeps `q + dt qdot` within the limits.
     pub fn solve(

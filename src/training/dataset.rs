@@ -12,8 +12,9 @@ use crate::files::InputError;
 use crate::human::{Body, BodySize, Side};
 use crate::kinematics::Frames;
 use crate::math::Pose;
-use crate::posture::{Coupling, Hold};
+use crate::posture::{Coupling, Hold, Query};
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
 
 /// Rate for second moments and scores, Hz.
 const DENSE_RATE_HZ: f64 = 30.0;
@@ -21,6 +22,12 @@ const DENSE_RATE_HZ: f64 = 30.0;
 const SPARSE_RATE_HZ: f64 = 15.0;
 /// Fewest frames (about 30 Hz) that can be split and learned from: two seconds.
 const FEWEST_FRAMES: usize = 60;
+/// Fewest rows of a data file.
+const FEWEST_ROWS: usize = 20;
+/// Fewest trials that count as demonstrations of one movement, and the length of a stretch of a
+/// single trial that stands in for one.
+const FEWEST_DEMONSTRATIONS: usize = 4;
+const STRETCH: usize = 50;
 /// Joint speed (rms over joints and time, rad/s) below which nobody moves.
 const STILL_RAD_S: f64 = 1e-3;
 /// Blocks of contiguous time when there is a single trial; also the most groups of trials.
@@ -59,9 +66,9 @@ pub struct Frame {
     pub q: DVector<f64>,
     /// Joint velocity, n, rad/s.
     pub qdot: DVector<f64>,
-    /// Jacobian of the grip, 6 x n, pelvis axes.
+    /// Jacobian of the task, m x n (of a body: of the grip, six rows, pelvis axes).
     pub jacobian: DMatrix<f64>,
-    /// `J qdot`, 6: m/s, rad/s.
+    /// Task velocity, m: m/s, rad/s; of a body `J qdot`.
     pub xdot: DVector<f64>,
     /// Grip in the pelvis frame.
     pub hand: Pose,
@@ -73,6 +80,17 @@ pub struct Frame {
     pub time_s: f64,
     /// Whether it is one of the frames at about 15 Hz.
     pub is_sparse: bool,
+    /// Movement to which a primitive counts it: its trial, or a stretch of a single trial.
+    pub demonstration: usize,
+    /// Phase within that movement, in [0, 1].
+    pub phase: f64,
+}
+
+impl Frame {
+    /// What a law is asked at this frame.
+    pub fn query(&self) -> Query<'_> {
+        Query { q: &self.q, xdot: &self.xdot, jacobian: &self.jacobian, phase: self.phase }
+    }
 }
 
 /// All frames (about 30 Hz) of all trials of one person in one body.
@@ -80,12 +98,10 @@ pub struct Frame {
 pub struct Dataset {
     /// The frames, trial by trial, in order of time.
     pub frames: Vec<Frame>,
-    /// The body's hand, rigidly coupled.
+    /// The chain, coupled to the task.
     pub coupling: Coupling,
-    /// The coupled side.
-    pub side: Side,
-    /// Size of the body.
-    pub size: BodySize,
+    /// Side and size of the body; none for a chain of another kind.
+    pub person: Option<(Side, BodySize)>,
     /// Names of the joints, n.
     pub joints: Vec<String>,
     /// Number of trials.
@@ -129,7 +145,65 @@ impl Dataset {
             return Err(InputError::new(source, "holds a person who does not move")
                 .remedy("give movements of the kind that is to be planned"));
         }
-        Ok(Self { frames, coupling, side, size: body.size, joints, trials: trials.len() })
+        set_demonstrations(&mut frames);
+        let person = Some((side, body.size));
+        Ok(Self { frames, coupling, person, joints, trials: trials.len() })
+    }
+
+    /// Rows of a data file of any chain, as they are: `q` and `qdot` (n each), `xdot` (m), the trial
+    /// and the time (s) of each row, in order of time within a trial.
+    ///
+    /// # Errors
+    /// Where there are too few rows, or nothing moves.
+    pub fn of_rows(
+        source: &str,
+        rows: &[DataRow],
+        coupling: Coupling,
+    ) -> Result<Self, InputError> {
+        let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
+        if rows.len() < FEWEST_ROWS {
+            let message = format!("holds only {} rows", rows.len());
+            let remedy = format!("give at least {FEWEST_ROWS} rows that train or test");
+            return Err(InputError::new(source, message).remedy(remedy));
+        }
+        let mut scratch = Frames::default();
+        let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+        let step = typical_step(rows);
+        let every_second = (1.0 / (SPARSE_RATE_HZ * step)).round().max(1.0) as usize;
+        let mut frames: Vec<Frame> = rows
+            .iter()
+            .map(|row| {
+                let q = DVector::from_column_slice(&row.q);
+                let seen = coupling.observe(&q, &mut scratch);
+                let index = counts.entry(row.trial).or_default();
+                *index += 1;
+                Frame {
+                    q,
+                    qdot: DVector::from_column_slice(&row.qdot),
+                    xdot: DVector::from_column_slice(&row.xdot),
+                    jacobian: seen.jacobian,
+                    hand: seen.pose,
+                    trial: row.trial,
+                    index: *index - 1,
+                    time_s: row.time_s,
+                    is_sparse: (*index - 1).is_multiple_of(every_second),
+                    demonstration: 0,
+                    phase: 0.0,
+                }
+            })
+            .collect();
+        let square: f64 = frames.iter().map(|f| f.qdot.norm_squared()).sum();
+        if (square / (frames.len() * joints.len()) as f64).sqrt() < STILL_RAD_S {
+            return Err(InputError::new(source, "holds a chain that does not move")
+                .remedy("check the units of the qdot columns: rad/s"));
+        }
+        set_demonstrations(&mut frames);
+        Ok(Self { frames, coupling, person: None, joints, trials: counts.len() })
+    }
+
+    /// Number of rows of the task, m.
+    pub fn task_rows(&self) -> usize {
+        self.frames.first().map_or(0, |f| f.xdot.len())
     }
 
     /// The frames with these indices.
@@ -161,16 +235,7 @@ impl Dataset {
 
     /// [`Self::blocks`] within a subset of the frames.
     pub fn blocks_of(&self, subset: &[usize]) -> Vec<Fold> {
-        let mut trials: Vec<usize> = subset.iter().map(|&i| self.frames[i].trial).collect();
-        trials.dedup();
-        let group = |at: usize, i: usize| match trials.len() {
-            0 | 1 => at * BLOCKS / subset.len(),
-            count => {
-                let place = trials.iter().position(|&t| t == self.frames[i].trial).unwrap_or(0);
-                if count > MOST_SINGLE_TRIALS { place % BLOCKS } else { place }
-            }
-        };
-        let groups: Vec<usize> = subset.iter().enumerate().map(|(at, &i)| group(at, i)).collect();
+        let groups = block_numbers(&self.select(subset));
         let count = groups.iter().max().map_or(0, |g| g + 1);
         (0..count)
             .map(|g| {
@@ -183,6 +248,69 @@ impl Dataset {
             .filter(|fold| !fold.train.is_empty() && !fold.test.is_empty())
             .collect()
     }
+}
+
+/// One row of a data file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DataRow {
+    /// Joint angles, n, rad.
+    pub q: Vec<f64>,
+    /// Task velocity, m: m/s, rad/s.
+    pub xdot: Vec<f64>,
+    /// Joint velocities, n, rad/s.
+    pub qdot: Vec<f64>,
+    /// Trial.
+    pub trial: usize,
+    /// Time within the trial, s.
+    pub time_s: f64,
+}
+
+/// Median time step within trials, s.
+fn typical_step(rows: &[DataRow]) -> f64 {
+    let steps = rows.windows(2).filter(|w| w[0].trial == w[1].trial);
+    let mut steps: Vec<f64> = steps.map(|w| w[1].time_s - w[0].time_s).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().filter(|s| *s > 0.0).unwrap_or(1.0)
+}
+
+/// Trials are demonstrations where there are several; a single one is cut into stretches.
+fn set_demonstrations(frames: &mut [Frame]) {
+    let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
+    for f in frames.iter() {
+        let size = sizes.entry(f.trial).or_default();
+        *size = (*size).max(f.index + 1);
+    }
+    let is_single = sizes.len() < FEWEST_DEMONSTRATIONS;
+    for f in frames {
+        let size = sizes.get(&f.trial).copied().unwrap_or(1);
+        let (part, length) = if is_single {
+            let length = STRETCH.min(size.div_ceil(FEWEST_DEMONSTRATIONS)).max(2);
+            (f.index / length, length)
+        } else {
+            (0, size)
+        };
+        f.demonstration = f.trial * 100_000 + part;
+        f.phase = (f.index % length) as f64 / (length - 1).max(1) as f64;
+        f.phase = f.phase.min(1.0);
+    }
+}
+
+/// The block of each frame for leaving blocks out: its trial (of more than six, one of five groups),
+/// or a fifth of the time of a single trial.
+pub(super) fn block_numbers(frames: &[&Frame]) -> Vec<usize> {
+    let mut trials: Vec<usize> = frames.iter().map(|f| f.trial).collect();
+    trials.dedup();
+    frames
+        .iter()
+        .enumerate()
+        .map(|(at, f)| match trials.len() {
+            0 | 1 => at * BLOCKS / frames.len(),
+            count => {
+                let place = trials.iter().position(|&t| t == f.trial).unwrap_or(0);
+                if count > MOST_SINGLE_TRIALS { place % BLOCKS } else { place }
+            }
+        })
+        .collect()
 }
 
 /// The frames at about 15 Hz among the given ones.
@@ -239,6 +367,8 @@ fn thinned(trial: &Trial, index: usize, coupling: &Coupling) -> Vec<Frame> {
                 index: k,
                 time_s: i as f64 / trial.rate_hz,
                 is_sparse: k % every_second == 0,
+                demonstration: 0,
+                phase: 0.0,
             }
         })
         .collect()

@@ -3,6 +3,72 @@
 use crate::files::InputError;
 use serde::{Deserialize, Serialize};
 
+/// What the search for weights (and kernel parameters) maximises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Objective {
+    /// Marginal likelihood (the default).
+    #[default]
+    Marginal,
+    /// Predictive likelihood of each sample from all others.
+    LeaveOneOut,
+    /// Predictive likelihood of each trial (or block of a single trial) from all others.
+    LeaveTrialOut,
+    /// The paper's: likelihood of the training targets under the process trained on them.
+    InSample,
+}
+
+impl Objective {
+    /// All of them.
+    pub const ALL: [Self; 4] =
+        [Self::Marginal, Self::LeaveOneOut, Self::LeaveTrialOut, Self::InSample];
+
+    /// Name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Marginal => "marginal",
+            Self::LeaveOneOut => "leave-one-out",
+            Self::LeaveTrialOut => "leave-trial-out",
+            Self::InSample => "in-sample",
+        }
+    }
+}
+
+/// How the weights are searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Optimiser {
+    /// L-BFGS with the closed-form gradient (the default).
+    #[default]
+    Lbfgs,
+    /// The paper's BIPOP-CMA-ES, without gradients.
+    BipopCmaEs,
+}
+
+impl Optimiser {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Lbfgs, Self::BipopCmaEs];
+
+    /// Name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lbfgs => "lbfgs",
+            Self::BipopCmaEs => "bipop-cma-es",
+        }
+    }
+}
+
+/// Length-scales of the kernel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lengths {
+    /// One for the postures, one for the velocities (the default).
+    #[default]
+    Groups,
+    /// One for all inputs, as in the paper.
+    Isotropic,
+}
+
 /// What can be chosen when a posture model is learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -24,8 +90,29 @@ pub struct TrainSettings {
     pub attraction_noise: f64,
     /// Most training postures behind it.
     pub attraction_postures: usize,
-    /// Most frames behind the process of mi-nsgp.
-    pub gp_samples: usize,
+    /// What the search for weights maximises.
+    pub objective: Objective,
+    /// How it searches.
+    pub optimiser: Optimiser,
+    /// Length-scales of the kernel: one for each group of inputs, or one for all.
+    pub lengths: Lengths,
+    /// Whether each joint has kernel parameters of its own; costs a factorisation for each.
+    pub separate_kernels: bool,
+    /// Smallest noise ratio of a process. Frames of people are nearly copies of each other: with a
+    /// smaller one the process learns movements by heart.
+    pub noise_ratio_floor: f64,
+    /// Standard deviation of the prior on each log weight.
+    pub weight_prior_sd: f64,
+    /// Most samples behind an exact process; beyond, inducing centres.
+    pub exact_samples: usize,
+    /// Most samples in the search for weights and kernel parameters.
+    pub search_samples: usize,
+    /// Number of inducing centres; by default the number that held-out blocks ask for.
+    pub inducing: Option<usize>,
+    /// Standard deviation in every null direction below which nothing is claimed, rad/s.
+    pub null_floor_rad_s: f64,
+    /// Seed of everything random.
+    pub seed: u64,
 }
 
 impl Default for TrainSettings {
@@ -38,7 +125,17 @@ impl Default for TrainSettings {
             attraction_length: 2.0,
             attraction_noise: 0.05,
             attraction_postures: 120,
-            gp_samples: 400,
+            objective: Objective::Marginal,
+            optimiser: Optimiser::Lbfgs,
+            lengths: Lengths::Groups,
+            separate_kernels: false,
+            noise_ratio_floor: 0.1,
+            weight_prior_sd: 1.0,
+            exact_samples: 2000,
+            search_samples: 1000,
+            inducing: None,
+            null_floor_rad_s: 0.01,
+            seed: 0,
         }
     }
 }
@@ -54,7 +151,12 @@ impl TrainSettings {
             ("attraction_noise", self.attraction_noise),
             ("diagonal_share", self.diagonal_share),
             ("attraction_postures", self.attraction_postures as f64),
-            ("gp_samples", self.gp_samples as f64),
+            ("noise_ratio_floor", self.noise_ratio_floor),
+            ("weight_prior_sd", self.weight_prior_sd),
+            ("exact_samples", self.exact_samples as f64),
+            ("search_samples", self.search_samples as f64),
+            ("inducing", self.inducing.unwrap_or(1) as f64),
+            ("null_floor_rad_s", self.null_floor_rad_s),
         ];
         let wrong = positive.iter().find(|(_, v)| !(v.is_finite() && *v > 0.0));
         if let Some((name, value)) = wrong {

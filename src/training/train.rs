@@ -7,23 +7,27 @@
 //! ```
 
 use super::dataset::{Dataset, Frame};
-use super::evaluate::evaluate;
+use super::evaluate::{Judging, MethodScore, evaluate};
 use super::methods::{Law, learn_laws};
+use super::rollout_check::calibrated_noise;
 use super::settings::TrainSettings;
-use super::spread::{learn_attraction, learn_noise, learn_postures, unseen_residuals};
+use super::spread::{learn_attraction, learn_postures};
 use crate::files::InputError;
-use crate::posture::{Attraction, Method, Noise, PostureDistribution, PostureModel, Provenance};
-use nalgebra::{DMatrix, DVector};
+use crate::math::stats::mean;
+use crate::posture::{
+    Method, MethodQuality, Noise, PostureDistribution, PostureLaw, PostureModel, Provenance,
+};
+use nalgebra::DMatrix;
 
 /// Significant digits kept of learned numbers, and of scores. Fewer than computed, so that the file
 /// does not depend on the rounding of one processor.
 const DIGITS: i32 = 9;
 const SCORE_DIGITS: i32 = 5;
 
-/// Learns a posture model.
+/// Learns a posture model of the person of `dataset`.
 ///
 /// # Errors
-/// Where a setting is out of range or the chain is singular in the data.
+/// Where a setting is out of range, the chain is singular in the data, or the data are not a person's.
 pub fn train(
     dataset: &Dataset,
     name: &str,
@@ -32,81 +36,85 @@ pub fn train(
     provenance: Provenance,
 ) -> Result<PostureModel, InputError> {
     settings.check()?;
-    let mut quality = evaluate(dataset, &dataset.held_out(), settings)?;
-    for q in &mut quality {
-        for value in [
-            &mut q.relative_rmse,
-            &mut q.rmse_rad_s,
-            &mut q.log_likelihood_null,
-            &mut q.log_likelihood,
-        ] {
-            *value = rounded(*value, SCORE_DIGITS);
-        }
-        q.path_error_deg =
-            q.path_error_deg.map(|(a, b)| (rounded(a, SCORE_DIGITS), rounded(b, SCORE_DIGITS)));
+    let Some((side, size)) = dataset.person else {
+        return Err(InputError::new(name, "is not learned from a body")
+            .remedy("a posture model is one of a person: give recordings and a body"));
+    };
+    let mut methods: Vec<Method> = SHOWN.to_vec();
+    if !methods.contains(&method) {
+        methods.push(method);
     }
+    let judging = Judging { methods, task_sd: None, has_rollouts: true };
+    let judged = evaluate(dataset, &dataset.held_out(), &judging, settings)?;
+    let quality = judged.methods.iter().map(quality).collect();
+    let every: Vec<usize> = (0..dataset.frames.len()).collect();
     let all: Vec<&Frame> = dataset.frames.iter().collect();
-    let laws = learn_laws(&[method], &all, settings, None)?;
-    let noise = unseen_residuals(dataset, &dataset.blocks(), &laws, settings, true)?
-        .first()
-        .map_or_else(|| Noise::none(dataset.joints.len()), |r| learn_noise(r));
-    let attraction = learn_attraction(dataset, &all, settings);
+    let stature_m = dataset.coupling.stature_m();
+    let laws = learn_laws(&[method], &all, stature_m, settings, None)?;
     let law = laws.into_iter().next().ok_or_else(|| InputError::new(name, "has no law"))?;
+    let (noise, calibration) = calibrated_noise(dataset, &every, &law, settings)?;
     let mut provenance = provenance;
-    provenance.settings.extend(described(settings, &law, &noise));
-    provenance.notes.extend(notes(dataset, &all, &law, settings));
+    provenance.settings.extend(described(settings, &law, &noise, calibration));
+    provenance.notes.extend(notes(dataset, &law, settings));
     let postures = learn_postures(&all);
-    let mut model = bare_model(dataset, law, attraction);
-    name.clone_into(&mut model.name);
-    model.weight = symmetric(&rounded_matrix(&model.weight));
-    model.noise = Noise {
-        factor: rounded_matrix(&noise.factor),
-        correlation_time_s: rounded(noise.correlation_time_s, DIGITS),
-        speed_floor_m_s: noise.speed_floor_m_s,
-    };
-    model.postures = PostureDistribution {
-        mean: postures.mean.map(|v| rounded(v, DIGITS)),
-        covariance: symmetric(&rounded_matrix(&postures.covariance)),
-    };
-    model.quality = quality;
-    model.provenance = provenance;
-    Ok(model)
+    let weight = symmetric(&rounded_matrix(&law.law.weight));
+    Ok(PostureModel {
+        name: name.to_owned(),
+        method,
+        side,
+        size,
+        joints: dataset.joints.clone(),
+        law: PostureLaw {
+            weight,
+            attraction: learn_attraction(dataset, &all, settings),
+            noise: Noise {
+                factor: rounded_matrix(&noise.factor),
+                correlation_time_s: rounded(noise.correlation_time_s, DIGITS),
+                white_interval_s: rounded(noise.white_interval_s, DIGITS),
+                speed_rms_m_s: rounded(noise.speed_rms_m_s, DIGITS),
+                ..noise
+            },
+            ..law.law
+        },
+        postures: PostureDistribution {
+            mean: postures.mean.map(|v| rounded(v, DIGITS)),
+            covariance: symmetric(&rounded_matrix(&postures.covariance)),
+        },
+        quality,
+        provenance,
+    })
 }
 
-/// A model of a law alone, for rollouts without noise.
-pub(super) fn bare_model(
-    dataset: &Dataset,
-    law: Law,
-    attraction: Option<Attraction>,
-) -> PostureModel {
-    let n = dataset.joints.len();
-    PostureModel {
-        name: String::new(),
-        method: law.method,
-        side: dataset.side,
-        size: dataset.size,
-        joints: dataset.joints.clone(),
-        weight: law.weight,
-        attraction,
-        gp: law.gp,
-        noise: Noise::none(n),
-        postures: PostureDistribution {
-            mean: DVector::zeros(n),
-            covariance: DMatrix::identity(n, n),
-        },
-        quality: Vec::new(),
-        provenance: Provenance {
-            program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            simulated: false,
-            recordings: Vec::new(),
-            body: (String::new(), String::new()),
-            settings: Vec::new(),
-            notes: Vec::new(),
-        },
+/// Methods that are judged beside the chosen one.
+const SHOWN: [Method; 4] = [Method::PlainIk, Method::WIk, Method::FullW, Method::MiNsgp];
+
+/// Means over splits and held-out trajectories.
+fn quality(score: &MethodScore) -> MethodQuality {
+    let of = |pick: fn(&super::evaluate::GroupScore) -> f64| {
+        rounded(mean(&score.groups.iter().map(pick).collect::<Vec<_>>()), SCORE_DIGITS)
+    };
+    let walk = |pick: fn(&super::rollout_check::RolloutScore) -> f64| {
+        rounded(mean(&score.rollouts.iter().map(pick).collect::<Vec<_>>()), SCORE_DIGITS)
+    };
+    MethodQuality {
+        method: score.method,
+        relative_rmse: of(|g| g.relative_rmse_q),
+        rmse_rad_s: of(|g| g.rmse_q),
+        log_likelihood_null: of(|g| g.ll_null),
+        log_likelihood: of(|g| g.ll_q),
+        path_error_deg: Some((walk(|r| r.path_error_deg), walk(|r| r.pulled_path_error_deg))),
+        coverage: Some((walk(|r| r.bands.coverage_50), walk(|r| r.bands.coverage_90))),
+        band_width_deg: Some(walk(|r| r.bands.width_90_deg)),
+        trajectory_log_likelihood: Some(walk(|r| r.trajectory_ll)),
     }
 }
 
-fn described(settings: &TrainSettings, law: &Law, noise: &Noise) -> Vec<(String, String)> {
+fn described(
+    settings: &TrainSettings,
+    law: &Law,
+    noise: &Noise,
+    calibration: f64,
+) -> Vec<(String, String)> {
     let mut list = vec![("method", law.method.name().to_owned())];
     if let Some(a) = law.shrinkage {
         list.push(("shrinkage", a.to_string()));
@@ -118,18 +126,25 @@ fn described(settings: &TrainSettings, law: &Law, noise: &Noise) -> Vec<(String,
         list.push(("attraction_noise", settings.attraction_noise.to_string()));
         list.push(("attraction_postures", settings.attraction_postures.to_string()));
     }
-    if let Some(gp) = &law.gp {
-        let h = gp.hyper;
-        list.push(("gp_samples", settings.gp_samples.to_string()));
+    if law.method == Method::MiNsgp {
+        list.push(("objective", settings.objective.name().to_owned()));
+        list.push(("optimiser", settings.optimiser.name().to_owned()));
+        list.push(("weight_prior_sd", settings.weight_prior_sd.to_string()));
+    }
+    for h in &law.hypers {
         list.push(("gp_length_posture", format!("{:.4}", h.length_posture)));
         list.push(("gp_length_velocity", format!("{:.4}", h.length_velocity)));
         list.push(("gp_noise_ratio", format!("{:.4}", h.noise_ratio)));
     }
-    list.push(("noise_speed_floor_m_s", noise.speed_floor_m_s.to_string()));
+    if law.method.has_process() {
+        list.push(("noise_ratio_floor", settings.noise_ratio_floor.to_string()));
+    }
+    list.push(("noise_speed_share", noise.speed_share.to_string()));
+    list.push(("noise_calibration", format!("{calibration:.4}")));
     list.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
 }
 
-fn notes(dataset: &Dataset, frames: &[&Frame], law: &Law, settings: &TrainSettings) -> Vec<String> {
+fn notes(dataset: &Dataset, law: &Law, settings: &TrainSettings) -> Vec<String> {
     let mut notes = vec![if dataset.trials > 1 {
         format!("judged on whole trials held out, {} in all", dataset.trials)
     } else {
@@ -137,12 +152,15 @@ fn notes(dataset: &Dataset, frames: &[&Frame], law: &Law, settings: &TrainSettin
          left out; what differs between repetitions is not known from one trial"
             .to_owned()
     }];
-    let sparse = frames.iter().filter(|f| f.is_sparse).count();
-    if law.method == Method::MiNsgp && sparse > settings.gp_samples {
-        notes.push(format!(
-            "mi-nsgp learned from {} of {sparse} frames, evenly spread",
-            settings.gp_samples
-        ));
+    for process in &law.law.processes {
+        if process.is_inducing() {
+            notes.push(format!(
+                "the process rests on {} inducing centres: there are more than {} samples",
+                process.centre_count(),
+                settings.exact_samples
+            ));
+            break;
+        }
     }
     notes
 }

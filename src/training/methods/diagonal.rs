@@ -8,96 +8,34 @@
 //! The noise variance is profiled out, so that the prior log w ~ N(0, 1) means the same for fast and
 //! slow people. Samples whose `A` cannot be factored make the objective infinite.
 
-use super::descent::{ValueAndGradient, descend};
+use super::optimiser::{ValueAndGradient, descend};
+use super::samples::Samples;
+use super::tidy;
 use crate::training::dataset::Frame;
-use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix6, Vector6};
+use nalgebra::DMatrix;
 
 /// Iterations of L-BFGS from a cold start.
 const ITERATIONS: u64 = 150;
 /// Iterations when nearly the same data have been fitted before.
 const WARM_ITERATIONS: u64 = 40;
-/// Weights are kept to this many digits of log w: the rest is noise of the optimiser.
-const LOG_STEP: f64 = 1e-6;
 /// Smallest second moment, relative to the mean, in the start value.
 const SMALLEST_START: f64 = 1e-3;
 
-/// One sample under one diagonal weight.
-pub(super) struct Resolved {
-    gram: Cholesky<f64, Const<6>>,
-    /// u = J^T A^-1 xdot, n.
-    u: DVector<f64>,
-}
-
-impl Resolved {
-    /// `weights` n; `None` where `J W J^T` has lost rank.
-    pub(super) fn new(frame: &Frame, weights: &[f64]) -> Option<Self> {
-        let j = &frame.jacobian;
-        let mut a = Matrix6::zeros();
-        for (c, w) in weights.iter().enumerate() {
-            let column = j.fixed_view::<6, 1>(0, c);
-            a += column * column.transpose() * *w;
-        }
-        let gram = a.cholesky()?;
-        let lambda = gram.solve(&frame.xdot.fixed_rows::<6>(0).into_owned());
-        let u = DVector::from_fn(weights.len(), |c, _| j.fixed_view::<6, 1>(0, c).dot(&lambda));
-        Some(Self { gram, u })
-    }
-
-    /// s = qdot - W u, n.
-    pub(super) fn residual(&self, frame: &Frame, weights: &[f64]) -> DVector<f64> {
-        DVector::from_fn(weights.len(), |c, _| frame.qdot[c] - weights[c] * self.u[c])
-    }
-
-    /// Adds the gradient of `c^T s` with respect to log w.
-    pub(super) fn add_gradient(
-        &self,
-        frame: &Frame,
-        weights: &[f64],
-        c: &DVector<f64>,
-        gradient: &mut [f64],
-    ) {
-        let j = &frame.jacobian;
-        let mut jwc = Vector6::zeros();
-        for (i, w) in weights.iter().enumerate() {
-            jwc += j.fixed_view::<6, 1>(0, i) * (w * c[i]);
-        }
-        let mu = self.gram.solve(&jwc);
-        for (i, g) in gradient.iter_mut().enumerate() {
-            *g -= weights[i] * self.u[i] * (c[i] - j.fixed_view::<6, 1>(0, i).dot(&mu));
-        }
-    }
-}
-
 /// Profiled negative log-likelihood of the least-squares problem with the prior, nats.
-pub(super) fn objective(frames: &[&Frame], log_w: &[f64]) -> ValueAndGradient {
+pub(super) fn objective(samples: &Samples, log_w: &[f64]) -> ValueAndGradient {
     let weights: Vec<f64> = log_w.iter().map(|l| l.exp()).collect();
-    let mut gradient = vec![0.0; log_w.len()];
-    let mut sum = 0.0;
-    for frame in frames {
-        let Some(resolved) = Resolved::new(frame, &weights) else {
-            return (f64::INFINITY, gradient);
-        };
-        let s = resolved.residual(frame, &weights);
-        sum += s.norm_squared();
-        resolved.add_gradient(frame, &weights, &s, &mut gradient);
-    }
-    profiled(sum, frames.len(), log_w, gradient)
-}
-
-/// `N k / 2 log(sum / (N k)) + |log w|^2 / 2` from a sum and half its gradient.
-pub(super) fn profiled(
-    sum: f64,
-    count: usize,
-    log_w: &[f64],
-    mut half_gradient: Vec<f64>,
-) -> ValueAndGradient {
-    let terms = (count * (log_w.len() - 6)) as f64;
-    let sum = sum.max(f64::MIN_POSITIVE);
-    for (g, l) in half_gradient.iter_mut().zip(log_w) {
+    let Some(resolved) = samples.resolve(&weights) else {
+        return (f64::INFINITY, vec![0.0; log_w.len()]);
+    };
+    let residuals = resolved.residuals(&weights);
+    let sum = residuals.norm_squared().max(f64::MIN_POSITIVE);
+    let terms = (samples.len() * samples.redundancy()) as f64;
+    let mut gradient = resolved.gradient(&weights, &residuals);
+    for (g, l) in gradient.iter_mut().zip(log_w) {
         *g = terms * *g / sum + l;
     }
     let prior: f64 = log_w.iter().map(|l| 0.5 * l * l).sum();
-    (0.5 * terms * (sum / terms).ln() + prior, half_gradient)
+    (0.5 * terms * (sum / terms).ln() + prior, gradient)
 }
 
 /// log w of W-IK, n, with mean zero. Starts at W = I and at the diagonal of the second moment, or
@@ -116,15 +54,10 @@ pub(super) fn least_squares(
         let moment = by_moment.add_scalar(-by_moment.mean()).as_slice().to_vec();
         (vec![vec![0.0; n], moment], ITERATIONS)
     };
-    let found = starts.iter().map(|s| descend(&|x: &[f64]| objective(frames, x), s, iterations));
+    let samples = Samples::new(frames);
+    let found = starts.iter().map(|s| descend(&|x: &[f64]| objective(&samples, x), s, iterations));
     let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
     tidy(best.map_or_else(|| vec![0.0; n], |(x, _)| x))
-}
-
-/// Mean zero, and no digits that only the optimiser believes in.
-pub(super) fn tidy(log_w: Vec<f64>) -> Vec<f64> {
-    let mean = log_w.iter().sum::<f64>() / log_w.len() as f64;
-    log_w.into_iter().map(|l| ((l - mean) / LOG_STEP).round() * LOG_STEP).collect()
 }
 
 #[cfg(test)]
@@ -132,6 +65,7 @@ pub(super) mod tests {
     use super::*;
     use crate::math::redundancy::{resolve, weighted_pseudo_inverse};
     use crate::math::stream::{Purpose, normals, stream};
+    use nalgebra::DVector;
     use crate::training::dataset::Dataset;
     use crate::training::dataset::tests::made_up;
 
@@ -184,7 +118,8 @@ pub(super) mod tests {
         let frames: Vec<&Frame> = data.frames.iter().collect();
         let mut rng = stream(2, Purpose::Simulation, 0, 0);
         let x: Vec<f64> = normals(&mut rng, 24).iter().map(|v| 0.8 * v).collect();
-        let error = gradient_error(|x| objective(&frames, x), &x);
+        let samples = Samples::new(&frames);
+        let error = gradient_error(|x| objective(&samples, x), &x);
         assert!(error < 1e-6, "{error}");
     }
 
