@@ -24,6 +24,8 @@ mod motion_file;
 mod settings;
 mod spread;
 mod targets;
+pub mod toy5r;
+pub mod toy5r_paper;
 mod train;
 
 pub use dataset::{Dataset, Fold, Frame, Trial};
