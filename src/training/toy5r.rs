@@ -10,7 +10,7 @@
 //! per component; the diagonal of `W` is uniform in [eps, 2 - eps]. Where the smallest singular value of
 //! `J` falls below a threshold the collection starts again at `q0`.
 //!
-//! [`generate`] makes the data set on which the methods are compared; [`trajectories`] lets the same
+//! [`generate`] makes the data set on which the methods are compared; [`trajectories()`] lets the same
 //! person follow smooth hand paths, for judging the spread of predicted postures.
 
 mod constants;
