@@ -6,11 +6,14 @@
 //!           ─► figure_* on sheet, panel, style   figures/*.png
 //!           ─► page*   report.html
 //! result.json of several runs ─► comparison     comparison.csv, comparison.html
+//! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
 //! ```
 //!
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
 
 mod comparison;
+mod figure_box;
+mod figure_growth;
 mod figure_paths;
 mod figure_scores;
 mod page;
@@ -22,9 +25,12 @@ mod style;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod value_axis;
 mod view;
 
 pub use comparison::{ComparisonRow, Difference, RowState, comparison};
+pub use figure_box::{BoxPanel, box_plots};
+pub use figure_growth::{GrowthLine, GrowthPoint, growth_plot};
 
 use crate::planner::RunResult;
 use thiserror::Error;

@@ -8,7 +8,8 @@
 //! [`fit()`] solves one bounded least-squares problem per frame; its parts are the recorded targets,
 //! the chain with its residuals, and an active set that keeps every posture inside all limits.
 //! [`train()`] learns the chosen method on everything after all methods have been judged on movement
-//! that they had not seen.
+//! that they had not seen. [`toy5r`] is the paper's problem with a known truth, for judging methods;
+//! [`toy5r_paper`] holds the paper's own figures for it.
 
 mod active_set;
 mod chain;
@@ -26,6 +27,8 @@ mod rollout_check;
 mod settings;
 mod spread;
 mod targets;
+pub mod toy5r;
+pub mod toy5r_paper;
 mod train;
 
 pub use dataset::{DataRow, Dataset, Fold, Frame, Trial};
