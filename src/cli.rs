@@ -21,6 +21,7 @@ macro_rules! complain {
 
 mod batch;
 mod body;
+mod evaluate;
 mod inspect;
 mod plan;
 mod progress;
@@ -55,6 +56,8 @@ enum Command {
     Compare(batch::CompareArgs),
     /// Learns from recordings how a person resolves the redundancy of the body.
     Train(train::Args),
+    /// Judge all methods on held-out rows of a data file or a recording.
+    Evaluate(Box<evaluate::Args>),
 }
 
 /// How a command ended when it did not fail.
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
         Command::Batch(args) => batch::batch(&args),
         Command::Compare(args) => batch::compare(&args),
         Command::Train(args) => train::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

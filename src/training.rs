@@ -13,6 +13,7 @@
 
 mod active_set;
 mod chain;
+mod data_file;
 mod dataset;
 mod evaluate;
 mod export;
@@ -31,6 +32,7 @@ pub mod toy5r;
 pub mod toy5r_paper;
 mod train;
 
+pub use data_file::{DataFile, read_data, task_of_rows};
 pub use dataset::{DataRow, Dataset, Fold, Frame, Trial};
 pub use evaluate::{
     Evaluation, GroupScore, Judging, MethodScore, Percentiles, evaluate, learn_with_noise,

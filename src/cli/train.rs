@@ -31,7 +31,7 @@ pub(super) struct Args {
     /// The hand that holds on to the robot.
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
     side: Side,
-    /// Method of the model: plain-ik, w-ik, full-w or mi-nsgp.
+    /// Method of the model: full-w, full-w-gp, mi-nsgp, w-ik, nsgp, sb-m, promp, gp or plain-ik.
     #[arg(long, value_parser = parse_method, default_value = "full-w")]
     method: Method,
     /// What to call the model; by default the name of its file.
@@ -48,7 +48,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-fn parse_side(text: &str) -> Result<Side, String> {
+pub(super) fn parse_side(text: &str) -> Result<Side, String> {
     match text.to_lowercase().as_str() {
         "right" | "r" => Ok(Side::Right),
         "left" | "l" => Ok(Side::Left),
@@ -64,23 +64,31 @@ fn parse_method(text: &str) -> Result<Method, String> {
 }
 
 /// What one recording gave.
-struct Source {
-    name: String,
+pub(super) struct Source {
+    pub name: String,
     sha256: String,
     simulated: bool,
-    trials: Vec<Trial>,
+    pub trials: Vec<Trial>,
     /// How the angles came about, a line each.
     lines: Vec<String>,
-    notes: Vec<String>,
+    pub notes: Vec<String>,
     fit: Option<FitReport>,
+}
+
+/// Whom to look for in recordings.
+pub(super) struct Wanted<'a> {
+    pub person: Option<&'a str>,
+    pub side: Side,
+    pub body: &'a Body,
 }
 
 /// Trains and writes the model.
 pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let body = Body::load(&args.body, Path::new("."))?;
     let settings = TrainSettings { has_attraction: !args.no_attraction, ..Default::default() };
+    let wanted = Wanted { person: args.person.as_deref(), side: args.side, body: &body };
     let sources: Result<Vec<Source>, InputError> =
-        args.recordings.iter().map(|path| source(path, args, &body)).collect();
+        args.recordings.iter().map(|path| source(path, &wanted)).collect();
     let sources = sources?;
     refuse_mixture(&sources, args)?;
     let trials: Vec<Trial> = sources.iter().flat_map(|s| s.trials.clone()).collect();
@@ -100,13 +108,15 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn source(path: &Path, args: &Args, body: &Body) -> Result<Source, InputError> {
+/// Reads a recording and fits the body to it, or takes the joint angles of a file.
+pub(super) fn source(path: &Path, wanted: &Wanted) -> Result<Source, InputError> {
+    let body = wanted.body;
     let is_csv = path.extension().is_some_and(|x| x.eq_ignore_ascii_case("csv"));
     if is_csv && !path.is_dir() {
-        return from_angles(path, args, body);
+        return from_angles(path, wanted);
     }
-    let recording = read(path, args.person.as_deref())?;
-    let motion = fit(&recording, body, args.side, &FitSettings::default())?;
+    let recording = read(path, wanted.person)?;
+    let motion = fit(&recording, body, wanted.side, &FitSettings::default())?;
     let report = motion.report.clone();
     let mut lines = vec![format!(
         "{} frames at {} Hz, {:.1} s ({})",
@@ -128,12 +138,12 @@ fn source(path: &Path, args: &Args, body: &Body) -> Result<Source, InputError> {
     })
 }
 
-fn from_angles(path: &Path, args: &Args, body: &Body) -> Result<Source, InputError> {
-    if let Some(person) = &args.person {
+fn from_angles(path: &Path, wanted: &Wanted) -> Result<Source, InputError> {
+    if let Some(person) = wanted.person {
         let message = format!("holds joint angles of one person, so `{person}` cannot be picked");
         return Err(InputError::new(path, message).remedy("leave out --person for CSV files"));
     }
-    let file = read_motion(path, body, args.side)?;
+    let file = read_motion(path, wanted.body, wanted.side)?;
     let rows: usize = file.trials.iter().map(|t| t.q.len()).sum();
     let seconds: f64 = file.trials.iter().map(|t| t.q.len() as f64 / t.rate_hz).sum();
     let kind = if file.simulated { "simulated operator" } else { "joint angles" };
@@ -270,9 +280,10 @@ fn print_json(sources: &[Source], dataset: &Dataset, model: &PostureModel) {
             "quality": model.quality,
             "weight_by_group": model.weight_by_group().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
             "noise": {
-                "correlation_time_s": model.noise.correlation_time_s,
-                "speed_floor_m_s": model.noise.speed_floor_m_s,
-                "rank": model.noise.factor.ncols(),
+                "rank": model.law.noise.factor.ncols(),
+                "shares": model.law.noise.shares,
+                "correlation_time_s": model.law.noise.correlation_time_s,
+                "speed_share": model.law.noise.speed_share,
             },
             "model": {"name": model.name, "method": model.method, "provenance": model.provenance},
         })
@@ -296,17 +307,27 @@ fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureModel, path:
     say!(
         "  RMSE of joint velocity over its rms; log-likelihood in nats per frame (floor 0.01 rad/s; in \
          all\n  joints with S_x = (1e-4)^2); mean joint error along the held-out hand path, without \
-         and with\n  the pull towards the person's postures. plain-ik is the plain pseudo-inverse."
+         and with\n  the pull towards the person's postures; what the 90 % band of rollouts holds of \
+         the held-out joint\n  angles, and how wide it is. plain-ik is the plain pseudo-inverse."
     );
     let groups = model.weight_by_group().into_iter();
     let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {:.0} %", 100.0 * s)).collect();
     say!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
+    let noise = &model.law.noise;
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     say!(
-        "noise: {} directions, correlated over {:.2} s, hand-speed floor {} m/s",
-        model.noise.factor.ncols(),
-        model.noise.correlation_time_s,
-        model.noise.speed_floor_m_s
+        "noise: {} directions; {} of the variance white, {} correlated over {:.2} s, {} lasting a whole \
+         movement;\n  {} of it grows with the hand speed",
+        noise.factor.ncols(),
+        percent(noise.shares.white),
+        percent(noise.shares.correlated),
+        noise.correlation_time_s,
+        percent(noise.shares.lasting),
+        percent(noise.speed_share)
     );
+    if dataset.trials < 3 {
+        say!("  (from {} movement(s): what lasts a whole movement cannot be told)", dataset.trials);
+    }
     let mark = if model.provenance.simulated { ", simulated" } else { "" };
     say!(
         "{}: `{}` ({}{mark}), learned on all {} frames",
@@ -328,6 +349,8 @@ fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {
         "LL all",
         "path error",
         "with pull",
+        "90 % band holds",
+        "width",
     ]);
     for q in quality {
         let path = |pick: fn((f64, f64)) -> f64| {
@@ -341,9 +364,11 @@ fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {
             format!("{:.1}", q.log_likelihood),
             path(|p| p.0),
             path(|p| p.1),
+            q.coverage.map_or_else(|| "-".to_owned(), |c| format!("{:.0} %", 100.0 * c.1)),
+            q.band_width_deg.map_or_else(|| "-".to_owned(), |w| format!("{w:.1} deg")),
         ]);
     }
-    for column in 2..7 {
+    for column in 2..9 {
         if let Some(c) = table.column_mut(column) {
             c.set_cell_alignment(CellAlignment::Right);
         }

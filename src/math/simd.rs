@@ -23,7 +23,7 @@ pub fn exp(x: f64) -> f64 {
     let n = shifted - ROUND;
     let r = n.mul_add(-LN2_LOW, n.mul_add(-LN2_HIGH, x));
     // Taylor series to r^12, |r| <= 0.347: remainder below 2e-16.
-    let mut p = 1.0 / 479_001_600.0;
+    let mut p: f64 = 1.0 / 479_001_600.0;
     for c in [
         1.0 / 39_916_800.0,
         1.0 / 3_628_800.0,
@@ -55,7 +55,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let sign = shifted.to_bits() << 63;
     let s = r * r;
     // Taylor series to r^19 and r^18, |r| <= pi/2.
-    let mut a = -1.0 / 121_645_100_408_832_000.0;
+    let mut a: f64 = -1.0 / 121_645_100_408_832_000.0;
     for c in [
         1.0 / 355_687_428_096_000.0,
         -1.0 / 1_307_674_368_000.0,
@@ -69,7 +69,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     ] {
         a = a.mul_add(s, c);
     }
-    let mut b = -1.0 / 6_402_373_705_728_000.0;
+    let mut b: f64 = -1.0 / 6_402_373_705_728_000.0;
     for c in [
         1.0 / 20_922_789_888_000.0,
         -1.0 / 87_178_291_200.0,

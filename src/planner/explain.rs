@@ -301,7 +301,7 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
     let hold = match scenario.hold {
         Hold::Rigid => "the robot prescribes position and orientation of the hand",
         Hold::FreeRoll => "the hand may turn about the bar it holds",
-        Hold::Point => "the robot prescribes the position of the hand only",
+        Hold::Point | Hold::Planar => "the robot prescribes the position of the hand only",
     };
     let start = match w.start_rule {
         StartRule::Sampled => "start postures drawn from the person's own",

@@ -74,10 +74,10 @@ fn parse(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> 
 fn check(model: &PostureModel) -> Result<(), String> {
     let n = model.joints.len();
     let shapes = [
-        ("weight", model.weight.shape(), (n, n)),
+        ("weight", model.law.weight.shape(), (n, n)),
         ("posture covariance", model.postures.covariance.shape(), (n, n)),
         ("posture mean", model.postures.mean.shape(), (n, 1)),
-        ("noise factor", (model.noise.factor.nrows(), 0), (n, 0)),
+        ("noise factor", (model.law.noise.factor.nrows(), 0), (n, 0)),
     ];
     for (what, found, wanted) in shapes {
         if found != wanted {
@@ -90,17 +90,29 @@ fn check(model: &PostureModel) -> Result<(), String> {
             && m.clone().cholesky().is_some()
     };
     for (what, matrix) in
-        [("weight", &model.weight), ("posture covariance", &model.postures.covariance)]
+        [("weight", &model.law.weight), ("posture covariance", &model.postures.covariance)]
     {
         if !positive(matrix) {
             return Err(format!("{what} is not symmetric positive definite"));
         }
     }
-    let noise = &model.noise;
-    // NaN is neither positive nor zero.
-    let is_sound = noise.correlation_time_s > 0.0 && noise.speed_floor_m_s >= 0.0;
+    let noise = &model.law.noise;
+    let shares = noise.shares;
+    let parts = [shares.white, shares.correlated, shares.lasting, noise.speed_share];
+    // NaN is in no range.
+    let is_sound = noise.correlation_time_s > 0.0
+        && noise.white_interval_s > 0.0
+        && noise.speed_rms_m_s > 0.0
+        && parts.iter().all(|p| (0.0..=1.0).contains(p))
+        && (shares.white + shares.correlated + shares.lasting - 1.0).abs() < 1e-6;
     if !is_sound {
-        return Err("noise times and speeds must be positive".to_owned());
+        return Err("noise times must be positive and its shares sum to 1".to_owned());
+    }
+    if !(model.law.stature_m > 0.0 && (1..=6).contains(&model.law.task_rows)) {
+        return Err("stature and task rows are out of range".to_owned());
+    }
+    if model.law.processes.iter().any(|p| p.outputs().iter().any(|o| *o >= n)) {
+        return Err(format!("a process serves a joint beyond the {n} of the chain"));
     }
     Ok(())
 }

@@ -227,6 +227,40 @@ impl Dataset {
         Fold { train: (0..cut).collect(), test }
     }
 
+    /// Several data sets of one chain as trials of one.
+    ///
+    /// # Errors
+    /// Where the chains differ.
+    pub fn joined(parts: Vec<Self>) -> Result<Self, InputError> {
+        let mut parts = parts.into_iter();
+        let Some(mut whole) = parts.next() else {
+            return Err(InputError::new("data", "holds no file"));
+        };
+        for part in parts {
+            if part.joints != whole.joints || part.task_rows() != whole.task_rows() {
+                return Err(InputError::new("data", "holds files of different chains")
+                    .remedy("judge them one by one"));
+            }
+            let shift = whole.trials;
+            whole.frames.extend(part.frames.into_iter().map(|f| Frame { trial: f.trial + shift, ..f }));
+            whole.trials += part.trials;
+        }
+        set_demonstrations(&mut whole.frames);
+        Ok(whole)
+    }
+
+    /// Every frame tests once in `count` contiguous blocks of time.
+    pub fn blocks_in_time(&self, count: usize) -> Vec<Fold> {
+        let total = self.frames.len();
+        let of = |i: usize| i * count / total;
+        (0..count)
+            .map(|b| {
+                let pick = |own: bool| (0..total).filter(|&i| (of(i) == b) == own).collect();
+                Fold { train: pick(false), test: pick(true) }
+            })
+            .collect()
+    }
+
     /// Every frame tests once: trial by trial (in five groups when there are more than six), or, for
     /// a single trial, in five contiguous blocks of time.
     pub fn blocks(&self) -> Vec<Fold> {
