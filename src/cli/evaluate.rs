@@ -514,11 +514,11 @@ fn print_text(problems: &[Problem], judged: &[Evaluation], merged: &[MethodScore
                 .collect();
             let which = if open.is_empty() { "none".to_owned() } else { open.join(", ") };
             say!(
-                "  {:10} {} of {} directions undetermined by the data (one is the scale of all); joints \
-                 whose weight is mostly the prior's: {which}",
+                "  {:10} {} of {} directions undetermined by the data; joints whose weight is mostly the \
+                 prior's: {which}",
                 "",
                 u.undetermined_directions,
-                u.log_sd.len()
+                u.log_sd.len().saturating_sub(1)
             );
         }
     }

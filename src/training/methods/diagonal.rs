@@ -18,6 +18,8 @@ use nalgebra::DMatrix;
 const ITERATIONS: u64 = 150;
 /// Iterations when nearly the same data have been fitted before.
 const WARM_ITERATIONS: u64 = 40;
+/// Gain of an iteration, nats, below which the search ends.
+const TOLERANCE: f64 = 1e-6;
 /// Smallest second moment, relative to the mean, in the start value.
 const SMALLEST_START: f64 = 1e-3;
 
@@ -55,7 +57,7 @@ pub(super) fn least_squares(
         (vec![vec![0.0; n], moment], ITERATIONS)
     };
     let samples = Samples::new(frames);
-    let found = starts.iter().map(|s| descend(&|x: &[f64]| objective(&samples, x), s, iterations));
+    let found = starts.iter().map(|s| descend(&|x: &[f64]| objective(&samples, x), s, iterations, TOLERANCE));
     let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
     tidy(best.map_or_else(|| vec![0.0; n], |(x, _)| x))
 }

@@ -18,6 +18,8 @@ use nalgebra::DMatrix;
 /// Median and standard deviation of the prior on the log noise ratio.
 const NOISE_PRIOR: (f64, f64) = (0.1, 1.5);
 const ITERATIONS: u64 = 40;
+/// Gain of an iteration, nats, below which the search ends.
+const TOLERANCE: f64 = 0.02;
 /// Step of the central differences of objectives without an analytic gradient.
 const STEP: f64 = 1e-4;
 
@@ -65,7 +67,7 @@ impl HyperProblem<'_> {
     /// The best parameters from a start.
     pub(super) fn search(&self, start: &GpHyper) -> GpHyper {
         let function = |x: &[f64]| self.at(x);
-        self.hyper(&descend(&function, &self.point(start), ITERATIONS).0)
+        self.hyper(&descend(&function, &self.point(start), ITERATIONS, TOLERANCE).0)
     }
 
     /// Value (nats) and gradient.

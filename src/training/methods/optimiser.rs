@@ -11,8 +11,6 @@ use std::cell::RefCell;
 
 /// Steps that L-BFGS remembers.
 const MEMORY: usize = 10;
-/// Change of the scaled cost below which the search ends.
-const COST_TOLERANCE: f64 = 1e-13;
 /// Norm of the scaled gradient below which the search ends.
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 
@@ -63,7 +61,7 @@ impl<F: Fn(&[f64]) -> ValueAndGradient> Gradient for Remembered<'_, F> {
     }
 }
 
-/// L-BFGS from `start`; the best point and its value.
+/// L-BFGS from `start`, until an iteration gains less than `tolerance`; the best point and its value.
 ///
 /// The function is scaled by its gradient at the start, because the first step of the line search is
 /// as long as the gradient: sums of log-likelihoods would leave the range of floats.
@@ -71,6 +69,7 @@ pub(super) fn descend(
     function: &impl Fn(&[f64]) -> ValueAndGradient,
     start: &[f64],
     iterations: u64,
+    tolerance: f64,
 ) -> (Vec<f64>, f64) {
     let seen = RefCell::new(Seen { last: None, best: None });
     let steep = function(start).1.iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -81,7 +80,7 @@ pub(super) fn descend(
     };
     let problem = Remembered { function: &scaled, seen: &seen };
     let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
-        .with_tolerance_cost(COST_TOLERANCE)
+        .with_tolerance_cost((tolerance * scale).max(1e-14))
         .and_then(|solver| solver.with_tolerance_grad(GRADIENT_TOLERANCE))
         .map(|solver| {
             Executor::new(problem, solver)
@@ -135,7 +134,7 @@ mod tests {
 
     #[test]
     fn both_find_the_floor_of_the_valley() {
-        let (x, value) = descend(&valley, &[-1.2, 1.0], 200);
+        let (x, value) = descend(&valley, &[-1.2, 1.0], 200, 1e-10);
         assert!((x[0] - 1.0).abs() < 1e-4 && value < 1e-8, "{x:?} {value}");
         let seek = |seed| evolve(&|x: &[f64]| valley(x).0, 2, -2.0..=2.0, 3000, seed).unwrap();
         let (x, _) = seek(5);

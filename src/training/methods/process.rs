@@ -23,6 +23,8 @@ const MOST_ALTERNATIONS: usize = 4;
 /// Change of log w (rms) below which the alternation ends.
 const SETTLED: f64 = 5e-3;
 const WEIGHT_ITERATIONS: u64 = 80;
+/// Gain of an iteration, nats, below which the search ends.
+const WEIGHT_TOLERANCE: f64 = 1e-3;
 /// Evaluations of the evolution strategy for each weight.
 const EVOLUTION_PER_WEIGHT: usize = 200;
 /// Smallest scale of a component of the residuals, rad/s.
@@ -114,7 +116,7 @@ pub(super) fn identify(
 fn search_weights(problem: &WeightProblem, start: &[f64], settings: &TrainSettings) -> Vec<f64> {
     let function = |x: &[f64]| problem.at(x);
     tidy(match settings.optimiser {
-        Optimiser::Lbfgs => descend(&function, start, WEIGHT_ITERATIONS).0,
+        Optimiser::Lbfgs => descend(&function, start, WEIGHT_ITERATIONS, WEIGHT_TOLERANCE).0,
         Optimiser::BipopCmaEs => {
             // The scale of w does not matter: the prior on log w holds its mean.
             let cost = |x: &[f64]| problem.at(x).0;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! H = d^2 objective / d(log w)^2      the likelihood tempered by the correlation of its frames
-//! sd_i = sqrt((H^-1)_ii)              of log w, given the prior (sd 1 by default)
+//! sd_i = sqrt((P H^-1 P)_ii)          of log w about its mean, given the prior (sd 1 by default)
 //! ```
 //! A direction of log w is undetermined where the data leave more than half of the prior's variance.
 
@@ -21,8 +21,8 @@ const OPEN_SHARE: f64 = 0.5;
 pub struct WeightUncertainty {
     /// Standard deviation of each log weight, n.
     pub log_sd: Vec<f64>,
-    /// Number of directions of log w, of n, that the data do not determine (the common scale of all
-    /// weights, which changes nothing, is one of them).
+    /// Number of directions of log w, of n - 1 (their common scale changes nothing), that the data do
+    /// not determine.
     pub undetermined_directions: usize,
     /// Joints whose weight is mostly the prior's.
     pub undetermined_joints: Vec<usize>,
@@ -50,13 +50,17 @@ pub(super) fn uncertainty(problem: &WeightProblem, log_w: &[f64]) -> Option<Weig
     let prior = 1.0 / (problem.prior_sd * problem.prior_sd);
     // Away from the exact minimum a flat direction may bend down by a little: the prior holds it.
     let precision = eigen.eigenvalues.map(|v| v.max(prior));
+    let inverse = DMatrix::from_diagonal(&precision.map(|p| 1.0 / p));
+    let covariance = &eigen.eigenvectors * inverse * eigen.eigenvectors.transpose();
+    // The common scale of all weights changes nothing: only ratios count.
+    let centre = DMatrix::identity(n, n) - DMatrix::from_element(n, n, 1.0 / n as f64);
+    let ratios = &centre * covariance * &centre;
     let open = |variance: f64| variance * prior > OPEN_SHARE;
-    let variances: Vec<f64> = (0..n)
-        .map(|i| (0..n).map(|k| eigen.eigenvectors[(i, k)].powi(2) / precision[k]).sum())
-        .collect();
+    let directions = ratios.clone().symmetric_eigen().eigenvalues;
+    let variances = ratios.diagonal();
     Some(WeightUncertainty {
         log_sd: variances.iter().map(|v| v.sqrt()).collect(),
-        undetermined_directions: precision.iter().filter(|p| open(1.0 / **p)).count(),
+        undetermined_directions: directions.iter().filter(|v| open(**v)).count(),
         undetermined_joints: (0..n).filter(|&i| open(variances[i])).collect(),
         temper: problem.temper,
     })
