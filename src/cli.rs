@@ -22,6 +22,7 @@ macro_rules! complain {
 mod batch;
 mod body;
 mod evaluate;
+mod experiment;
 mod inspect;
 mod plan;
 mod progress;
@@ -58,6 +59,8 @@ enum Command {
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
     Evaluate(Box<evaluate::Args>),
+    /// Repeat the paper's experiments and our own on made-up data.
+    Experiment(experiment::Args),
 }
 
 /// How a command ended when it did not fail.
@@ -82,6 +85,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => batch::compare(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Experiment(args) => experiment::run(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -29,6 +29,7 @@ mod settings;
 mod spread;
 mod targets;
 pub mod toy5r;
+mod toy5r_experiment;
 pub mod toy5r_paper;
 mod train;
 
@@ -46,4 +47,7 @@ pub use noise_fit::learn_noise;
 pub use rollout_check::{Bands, RolloutScore, calibrated_noise, check_rollouts, path_error_deg};
 pub use settings::{Lengths, Objective, Optimiser, TrainSettings};
 pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};
+pub use toy5r_experiment::{
+    InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,
+};
 pub use train::train;

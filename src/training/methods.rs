@@ -283,6 +283,11 @@ impl School<'_> {
     }
 }
 
+/// The objective of the settings at log weights (n), nats per frame, kernel parameters fitted to them.
+pub fn objective_at(frames: &[&Frame], log_w: &[f64], settings: &TrainSettings) -> Option<f64> {
+    process::objective_at(&at_most(frames, settings.search_samples), log_w, settings)
+}
+
 /// How well the frames determine the weights of MI-NsGP or of W-IK.
 pub fn weight_uncertainty(
     law: &Law,

@@ -223,6 +223,38 @@ pub(super) fn null_targets(frames: &[&Frame], log_w: &[f64]) -> Option<DMatrix<f
     Some(Samples::new(frames).resolve(&weights)?.residuals(&weights))
 }
 
+/// The objective of the settings at given log weights, kernel parameters fitted to them, as a mean
+/// log-likelihood per sample (nats, n-component form times k / n, without the prior on w).
+pub(super) fn objective_at(frames: &[&Frame], log_w: &[f64], settings: &TrainSettings) -> Option<f64> {
+    let samples = Samples::new(frames);
+    let weights: Vec<f64> = log_w.iter().map(|l| l.exp()).collect();
+    let targets = samples.resolve(&weights)?.residuals(&weights);
+    let inputs = Inputs::new(frames);
+    let blocks = block_numbers(frames);
+    let (n, k) = (samples.n as f64, samples.redundancy() as f64);
+    let hyper = search_hyper(&inputs, &targets, k / n, &blocks, settings, 1.0, None);
+    let inverse = inverse_kernel(&inputs, &hyper)?;
+    let (form, logs) = quadratic_form(settings.objective, &inverse, hyper.noise_ratio, &blocks)?;
+    let count = samples.len() as f64;
+    let quadratic = |m: &DMatrix<f64>| crate::math::dense::product(m, &targets).dot(&targets);
+    let q = quadratic(&form);
+    let two_pi = (2.0 * std::f64::consts::PI).ln();
+    let value = match settings.objective {
+        Objective::InSample => {
+            let v = quadratic(&inverse) / (count * k);
+            count * k * v.ln() + q / v + k * logs
+        }
+        Objective::Marginal => {
+            let log_det = -Factor::new(&inverse)?.log_det();
+            count * k * ((q / (count * k)).ln() + 1.0) + k * log_det
+        }
+        Objective::LeaveOneOut | Objective::LeaveTrialOut => {
+            count * k * ((q / (count * k)).ln() + 1.0) + k * logs
+        }
+    };
+    Some(-0.5 * (value / count + k * two_pi))
+}
+
 /// The search problem at the solution, for its curvature.
 pub(super) fn weight_problem<'a>(
     samples: &'a Samples,
