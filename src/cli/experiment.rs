@@ -39,9 +39,9 @@ struct ToyArgs {
     /// Print the constants of set A as TOML and end.
     #[arg(long)]
     print_constants: bool,
-    /// Search the in-sample objective by BIPOP-CMA-ES, as published, instead of L-BFGS.
+    /// Also search as published: in-sample, BIPOP-CMA-ES, kernel fitted anew to each W (slow).
     #[arg(long)]
-    published_optimiser: bool,
+    published: bool,
     /// Leave out the setting with ten times less noise.
     #[arg(long)]
     no_low_noise: bool,
@@ -71,7 +71,7 @@ fn toy(args: &ToyArgs) -> Result<Outcome, Failure> {
         say!("{}", text.trim_end());
         return Ok(Outcome::Done);
     }
-    let methods = toy_methods(args.published_optimiser);
+    let methods = toy_methods(args.published);
     let progress = Progress::new();
     let one = |constants: &ToyConstants, stage: &'static str| -> Result<ToyResult, InputError> {
         let tell = |done: usize| progress.tell(stage, done, args.repeats as usize);
@@ -245,18 +245,26 @@ fn verdicts(result: &ToyResult) -> Vec<String> {
             count(|a, b| a.rmse_q < b.rmse_q)
         ));
     }
-    if let Some(i) = index("MI in-sample") {
+    let higher = result.in_sample.iter().filter(|c| c.found > c.truth).count();
+    lines.push(format!(
+        "  The paper's in-sample objective scores its own W above the true one in {higher} of {repeats}"
+    ));
+    for label in ["MI in-sample", "MI as published"] {
+        let Some(i) = index(label) else { continue };
         let errors = result.scores[i].iter().filter_map(|s| s.weight_error);
         let worse = errors.zip(&result.identity_error).filter(|(e, own)| e > *own).count();
-        let higher = result.in_sample.iter().filter(|c| c.found > c.truth).count();
         let plain = index("NsGP").map_or(0, |n| {
             let pairs = result.scores[i].iter().zip(&result.scores[n]);
             pairs.filter(|(a, b)| a.rmse_q > b.rmse_q).count()
         });
+        let how = if label == "MI in-sample" {
+            "searched by L-BFGS from least squares, kernel fitted in turn"
+        } else {
+            "BIPOP-CMA-ES, kernel fitted to each W that is tried"
+        };
         lines.push(format!(
-            "  The published in-sample objective: scores its own W above the true one in {higher} of \
-             {repeats}; its W is\n  further from the truth than W = I in {worse} of {repeats}; it predicts \
-             worse than not learning W (NsGP) in {plain} of {repeats}"
+            "  {label} ({how}):\n    its W is further from the truth than W = I in {worse} of {repeats}; it \
+             predicts worse than not learning W (NsGP) in {plain} of {repeats}"
         ));
     }
     lines

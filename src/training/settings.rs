@@ -94,6 +94,9 @@ pub struct TrainSettings {
     pub objective: Objective,
     /// How it searches.
     pub optimiser: Optimiser,
+    /// Whether kernel parameters are fitted anew to every weight that the search tries, as published
+    /// (and with BIPOP-CMA-ES whatever `optimiser` says); far slower, and on few samples only.
+    pub refits_kernel: bool,
     /// Length-scales of the kernel: one for each group of inputs, or one for all.
     pub lengths: Lengths,
     /// Whether each joint has kernel parameters of its own; costs a factorisation for each.
@@ -127,6 +130,7 @@ impl Default for TrainSettings {
             attraction_postures: 120,
             objective: Objective::Marginal,
             optimiser: Optimiser::Lbfgs,
+            refits_kernel: false,
             lengths: Lengths::Groups,
             separate_kernels: false,
             noise_ratio_floor: 0.1,

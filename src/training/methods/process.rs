@@ -27,6 +27,8 @@ const WEIGHT_ITERATIONS: u64 = 80;
 const WEIGHT_TOLERANCE: f64 = 1e-3;
 /// Evaluations of the evolution strategy for each weight.
 const EVOLUTION_PER_WEIGHT: usize = 200;
+/// Evaluations of the published search, about as many as published.
+const PUBLISHED_EVALUATIONS: usize = 500;
 /// Smallest scale of a component of the residuals, rad/s.
 const SMALLEST_SCALE: f64 = 0.01;
 const START: GpHyper = GpHyper { length_posture: 1.0, length_velocity: 1.0, noise_ratio: 0.2 };
@@ -72,6 +74,9 @@ pub(super) fn identify(
     temper: f64,
 ) -> Option<Identified> {
     let frames = at_most(frames, settings.search_samples);
+    if settings.refits_kernel {
+        return refitted(&frames, start, settings);
+    }
     let samples = Samples::new(&frames);
     let (mut log_w, mut hyper) = (start.to_vec(), None);
     let inputs = Inputs::new(&frames);
@@ -111,6 +116,24 @@ pub(super) fn identify(
         }
     }
     Some(Identified { log_w, hyper: hyper.unwrap_or(START) })
+}
+
+/// The published search: kernel parameters fitted to every weight that is tried.
+fn refitted(frames: &[&Frame], start: &[f64], settings: &TrainSettings) -> Option<Identified> {
+    let few = at_most(frames, FIRST_SAMPLES);
+    let precision = 1.0 / settings.weight_prior_sd.powi(2);
+    let cost = |x: &[f64]| {
+        let prior: f64 = x.iter().map(|l| 0.5 * precision * l * l).sum();
+        let value = objective_at(&few, x, settings).unwrap_or(f64::NEG_INFINITY);
+        prior - value * few.len() as f64
+    };
+    let found = evolve(&cost, start.len(), -2.0..=2.0, PUBLISHED_EVALUATIONS, settings.seed)?;
+    let log_w = tidy(found.0);
+    let targets = null_targets(frames, &log_w)?;
+    let samples = Samples::new(frames);
+    let free = samples.redundancy() as f64 / samples.n as f64;
+    let hyper = kernel_parameters(frames, &targets, free, settings, 1.0);
+    Some(Identified { log_w, hyper })
 }
 
 fn search_weights(problem: &WeightProblem, start: &[f64], settings: &TrainSettings) -> Vec<f64> {
