@@ -1,7 +1,7 @@
 //! Learning how a person resolves redundancy, from recorded movements.
 //!
 //! ```text
-//! Recording (segment poses) ─ fit ─► JointMotion (q, qdot of one body, inside its limits) ─┐
+//! Recording (segment poses) ─ fit ─► JointMotion (q, qdot of one body, near its limits) ───┐
 //! joint-motion CSV ─ read_motion ──────────────────────────────────────────────────► Trial ┴► Dataset
 //! Dataset ─ methods (z and W) ─ evaluate (held out) ─ train (all) ─► PostureModel
 //! ```
@@ -12,12 +12,14 @@
 //! [`toy5r_paper`] holds the paper's own figures for it.
 
 mod active_set;
+mod calibration;
 mod chain;
 mod data_file;
 mod dataset;
 mod evaluate;
 mod export;
 mod fit;
+mod fit_notes;
 mod fit_report;
 #[cfg(test)]
 mod fit_tests;
@@ -26,6 +28,7 @@ mod motion_file;
 mod noise_fit;
 mod rollout_check;
 mod settings;
+mod sharing;
 mod spread;
 mod targets;
 pub mod toy5r;
@@ -40,7 +43,7 @@ pub use evaluate::{
 };
 pub use export::data_csv;
 pub use fit::{FitSettings, JointMotion, fit};
-pub use fit_report::{FitReport, SegmentLength, Spread};
+pub use fit_report::{Beyond, FitReport, SegmentLength, Spread};
 pub use methods::{Law, WeightUncertainty, learn_laws};
 pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion};
 pub use noise_fit::learn_noise;

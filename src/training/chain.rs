@@ -3,6 +3,7 @@
 //! ```text
 //! min over q   sum over segments |W_s log(R_s(q)^T R_target)|^2 + |p_hand(q) + offset - p_target|^2 / sd^2
 //!            + |spine - shares * its total|^2 / sd^2 + |q - q_before|^2 / sd^2
+//!            + |q beyond the body's limits|^2 / sd^2    (while calibrating)
 //! ```
 //! Gauss-Newton steps with Levenberg's damping where a step fails; each step is a quadratic programme
 //! under the limits ([`ActiveSet`]). The Jacobian of the rotation vector is exact:
@@ -10,17 +11,14 @@
 
 use super::active_set::ActiveSet;
 use super::fit::FitSettings;
+use super::sharing::sharing;
 use super::targets::{Target, segment_names};
 use crate::files::InputError;
 use crate::human::{Body, PostureLimits, Side};
 use crate::kinematics::{Frames, Linkage, Tip};
 use crate::math::Vec3;
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6xX, Rotation3, UnitQuaternion};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Matrix6xX, Rotation3, UnitQuaternion};
 
-/// Flexion of the spine joints from the pelvis up, relative to the first: measured slopes of
-/// inertial motion-capture systems.
-const FLEXION_SHARES: [f64; 4] = [1.0, 0.44, 0.44, 0.33];
-const SPINE: [&str; 4] = ["jL5S1", "jL4L3", "jL1T12", "jT9T8"];
 const MAX_STEPS: usize = 60;
 /// Largest change of a joint (rad) below which a posture counts as found.
 const CONVERGED: f64 = 1e-9;
@@ -37,7 +35,12 @@ struct Segment {
 #[derive(Debug, Clone)]
 pub(super) struct Chain {
     pub linkage: Linkage,
+    /// Limits within which postures are sought.
     pub limits: PostureLimits,
+    /// Limits of the body.
+    pub body_limits: PostureLimits,
+    /// 1 / sd^2 of a joint beyond the body's limits, 1/rad^2; 0 where that costs nothing.
+    excess: f64,
     /// Stature of the body, m.
     pub stature_m: f64,
     /// Shoulder to elbow of the body, m.
@@ -65,10 +68,19 @@ pub(super) enum HandPull {
 }
 
 /// Cost, gradient and Gauss-Newton Hessian at a posture.
-struct Normal {
-    cost: f64,
-    gradient: DVector<f64>,
-    hessian: DMatrix<f64>,
+pub(super) struct Normal {
+    pub cost: f64,
+    pub gradient: DVector<f64>,
+    pub hessian: DMatrix<f64>,
+}
+
+/// A recorded segment's residual in units of its standard deviations, and its slopes.
+pub(super) struct Turn {
+    pub residual: Vec3,
+    /// By the joints, 3 x n.
+    pub rows: Matrix3xX<f64>,
+    /// By a further turn of the record about its own axes.
+    pub own: Matrix3<f64>,
 }
 
 /// A posture and its cost.
@@ -120,8 +132,22 @@ impl Chain {
             memory: settings.previous_sd_deg.to_radians().powi(-2),
             active_set: ActiveSet::new(&limits),
             linkage,
+            body_limits: limits.clone(),
+            excess: 0.0,
             limits,
         })
+    }
+
+    /// The chain with another standard deviation of the wrist, mm.
+    pub(super) fn trusting_hand(self, sd_mm: f64) -> Self {
+        Self { hand_weight: 1e3 / sd_mm, ..self }
+    }
+
+    /// The chain whose joints may go beyond the body's limits by `slack` (rad), at the cost of an
+    /// observation with the standard deviation `sd` (rad; infinite: at none). Sums keep their limits.
+    pub(super) fn loosened(&self, slack: f64, sd: f64) -> Self {
+        let limits = self.body_limits.widened(slack);
+        Self { active_set: ActiveSet::new(&limits), limits, excess: sd.powi(-2), ..self.clone() }
     }
 
     /// Position (m) of the wrist joint centre in the pelvis frame.
@@ -191,7 +217,27 @@ impl Chain {
         Solution { q, cost: now.cost }
     }
 
-    fn normal(
+    /// What the recorded segment `i` asks of the joints, at the posture of `frames`.
+    pub(super) fn turn(
+        &self,
+        i: usize,
+        wanted: &UnitQuaternion<f64>,
+        frames: &Frames,
+        jacobian: &mut Matrix6xX<f64>,
+    ) -> Turn {
+        let segment = &self.segments[i];
+        self.linkage.jacobian_into(frames, segment.tip, jacobian);
+        let (_, rotation) = self.linkage.tip_frame(frames, segment.tip);
+        let turn = turn_to(&rotation, wanted);
+        let weight = Matrix3::from_diagonal(&segment.weight);
+        let rows =
+            -weight * left_inverse(&turn) * rotation.transpose() * jacobian.fixed_rows::<3>(3);
+        // A further turn of the record by its own axes adds to the rotation vector by the inverse
+        // of the right Jacobian, which is the left one of the opposite rotation.
+        Turn { residual: weight * turn, rows, own: weight * left_inverse(&-turn) }
+    }
+
+    pub(super) fn normal(
         &self,
         q: &DVector<f64>,
         target: &Target,
@@ -205,17 +251,20 @@ impl Chain {
         let mut gradient = &self.sharing * q;
         let mut cost = 0.5 * q.dot(&gradient);
         let mut hessian = self.sharing.clone();
-        for (segment, wanted) in self.segments.iter().zip(&target.rotations) {
-            self.linkage.jacobian_into(frames, segment.tip, &mut jacobian);
-            let (_, rotation) = self.linkage.tip_frame(frames, segment.tip);
-            let turn = turn_to(&rotation, wanted);
-            let weight = Matrix3::from_diagonal(&segment.weight);
-            let rows =
-                -weight * left_inverse(&turn) * rotation.transpose() * jacobian.fixed_rows::<3>(3);
-            let residual = weight * turn;
+        for (i, wanted) in target.rotations.iter().enumerate() {
+            let Turn { residual, rows, .. } = self.turn(i, wanted, frames, &mut jacobian);
             cost += 0.5 * residual.norm_squared();
             gradient.gemv_tr(1.0, &rows, &residual, 1.0);
             hessian.gemm_tr(1.0, &rows, &rows, 1.0);
+        }
+        let bounds = self.body_limits.lower.iter().zip(&self.body_limits.upper);
+        for (i, (lower, upper)) in bounds.enumerate() {
+            let beyond = q[i] - q[i].clamp(*lower, *upper);
+            if self.excess > 0.0 && beyond != 0.0 {
+                cost += 0.5 * self.excess * beyond * beyond;
+                gradient[i] += self.excess * beyond;
+                hessian[(i, i)] += self.excess;
+            }
         }
         if let HandPull::At(offset) = pull {
             self.linkage.jacobian_into(frames, self.hand_tip, &mut jacobian);
@@ -235,51 +284,6 @@ impl Chain {
         }
         Normal { cost, gradient, hessian }
     }
-}
-
-/// Hessian (for sd 1) of the pull that splits the trunk's turn over the spine joints, per axis
-///
-/// ```text
-/// sum over j of (q_j - share_j * total)^2 / (4 share_j)
-/// ```
-/// and holds the girdle near zero where it was not recorded. With the shares as variances a part of
-/// the trunk that was recorded by itself (pelvis to L3, say) is split in the same proportions.
-fn sharing(
-    linkage: &Linkage,
-    limits: &PostureLimits,
-    side: Side,
-    recorded: &[String],
-) -> DMatrix<f64> {
-    let n = linkage.dof();
-    let column = |name: &str| linkage.joints().iter().position(|j| j.name == name);
-    let mut hessian = DMatrix::zeros(n, n);
-    for axis in ["Z", "X", "Y"] {
-        let columns: Vec<usize> =
-            SPINE.iter().filter_map(|j| column(&format!("{j}_{axis}"))).collect();
-        let raw: Vec<f64> = if axis == "Z" {
-            FLEXION_SHARES.to_vec()
-        } else {
-            columns.iter().map(|&c| limits.upper[c] - limits.lower[c]).collect()
-        };
-        let total: f64 = raw.iter().take(columns.len()).sum();
-        for (j, &c) in columns.iter().enumerate() {
-            let mut row = DVector::zeros(n);
-            for &other in &columns {
-                row[other] -= raw[j] / total;
-            }
-            row[c] += 1.0;
-            hessian.ger(0.25 * total / raw[j], &row, &row, 1.0);
-        }
-    }
-    let girdle = format!("{}Shoulder", side.prefix());
-    if !recorded.contains(&girdle) {
-        for axis in ["Z", "X", "Y"] {
-            if let Some(c) = column(&format!("j{}C7Shoulder_{axis}", side.prefix())) {
-                hessian[(c, c)] += 1.0;
-            }
-        }
-    }
-    hessian
 }
 
 /// Rotation vector of `R^T R_wanted`, in the axes of `R`.

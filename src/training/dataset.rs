@@ -10,7 +10,7 @@
 use super::fit::JointMotion;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Side};
-use crate::kinematics::Frames;
+use crate::kinematics::{Frames, JointLimit, Linkage};
 use crate::math::Pose;
 use crate::posture::{Coupling, Hold, Query};
 use nalgebra::{DMatrix, DVector};
@@ -32,6 +32,8 @@ const STRETCH: usize = 50;
 const STILL_RAD_S: f64 = 1e-3;
 /// Blocks of contiguous time when there is a single trial; also the most groups of trials.
 const BLOCKS: usize = 5;
+/// Departures from the body's range up to this (half a degree) are left to filters, rad.
+const HAIR_RAD: f64 = std::f64::consts::PI / 360.0;
 /// Trials up to this number are held out one by one.
 const MOST_SINGLE_TRIALS: usize = 6;
 
@@ -120,11 +122,17 @@ pub struct Fold {
 impl Dataset {
     /// Thins the trials and adds the kinematics of the body.
     ///
+    /// Rollouts that are compared with the trials may go where the trials go: a joint that was
+    /// recorded beyond the body's range has its recorded range, of the test part too. Nothing that is
+    /// learned knows that range, and plans keep the body's own.
+    ///
     /// # Errors
     /// Where a trial has another number of joints than the chain, all trials together are shorter
     /// than two seconds, or nothing moves.
     pub fn new(trials: &[Trial], body: &Body, side: Side) -> Result<Self, InputError> {
-        let coupling = Coupling::new(body, side, Hold::Rigid)?;
+        let arm = body.arm(side)?;
+        let body = body.admitting(ranges(trials, &arm));
+        let coupling = Coupling::new(&body, side, Hold::Rigid)?;
         let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
         let mut frames = Vec::new();
         for (index, trial) in trials.iter().enumerate() {
@@ -345,6 +353,18 @@ pub(super) fn block_numbers(frames: &[&Frame]) -> Vec<usize> {
             }
         })
         .collect()
+}
+
+/// Ranges (rad) of the joints that leave the body's by more than a hair in any trial.
+fn ranges<'a>(trials: &[Trial], arm: &'a Linkage) -> Vec<(&'a str, f64, f64)> {
+    let range = |(c, joint): (usize, &'a JointLimit)| {
+        let angles = || trials.iter().flat_map(|t| &t.q).filter_map(move |q| q.get(c).copied());
+        let lower = angles().fold(joint.lower, f64::min);
+        let upper = angles().fold(joint.upper, f64::max);
+        let is_beyond = joint.lower - lower > HAIR_RAD || upper - joint.upper > HAIR_RAD;
+        is_beyond.then_some((joint.name.as_str(), lower, upper))
+    };
+    arm.joints().iter().enumerate().filter_map(range).collect()
 }
 
 /// The frames at about 15 Hz among the given ones.

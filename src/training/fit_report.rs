@@ -4,27 +4,21 @@
 //! hand residual = |p_hand(q) + offset - p_recorded|     coupling error = rms |J(q) qdot - d/dt p_recorded|
 //! ```
 
+use super::calibration::is_calibrated;
 use super::chain::Chain;
-use super::fit::{FitSettings, Offset, Smooth};
+use super::fit::{FitSettings, Found, Offset, Smooth};
+use super::fit_notes::notes;
 use super::targets::Targets;
 use crate::human::Side;
 use crate::kinematics::Frames;
 use crate::math::signal::{differentiate, low_pass_zero_phase};
 use crate::math::{Vec3, stats};
 use crate::recording::Recording;
-use nalgebra::DVector;
+use nalgebra::{DVector, UnitQuaternion};
 use serde::Serialize;
 
 /// A joint this near to a bound presses on it, deg.
 const AT_LIMIT_DEG: f64 = 0.1;
-/// Share of frames with a joint at a limit that is worth a note.
-const AT_LIMIT_SHARE: f64 = 0.02;
-/// Middle Euler angle of the shoulder beyond which rates of its neighbours grow, deg.
-const MIDDLE_ANGLE_DEG: f64 = 70.0;
-/// A filter overshoot up to this is a hair, deg.
-const HAIR_DEG: f64 = 0.5;
-/// Offset between recorded and model hand that suggests a body of the wrong size, mm.
-const LARGE_OFFSET_MM: f64 = 60.0;
 
 /// Root mean square and quantiles of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -50,6 +44,17 @@ pub struct SegmentLength {
     pub body_m: f64,
 }
 
+/// A joint that was recorded beyond the range of the body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Beyond {
+    /// Name of the joint.
+    pub joint: String,
+    /// How far beyond, at most, deg.
+    pub largest_deg: f64,
+    /// Share of the frames.
+    pub frames_share: f64,
+}
+
 /// The quality of a fit; all figures are those of the final (filtered) posture against the recording
 /// as it was read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,7 +65,15 @@ pub struct FitReport {
     pub hand_residual_mm: Spread,
     /// Angle between model and record of each recorded segment, rms, deg.
     pub orientation_residual_deg: Vec<(String, f64)>,
-    /// Share of frames with at least one joint or sum within 0.1 deg of a bound.
+    /// Constant turns of the recorded arm segments about their own axes (x forward, y up, z right of
+    /// an arm that hangs with the palm forward) that bring them to the model's, deg.
+    pub calibration_deg: Vec<(String, [f64; 3])>,
+    /// How far the recorded arm stretches, standard deviation, mm.
+    pub stretch_mm: f64,
+    /// Joints beyond the body's range, widest first.
+    pub beyond_range: Vec<Beyond>,
+    /// Share of frames with at least one joint or sum within 0.1 deg of a bound of the fit: the
+    /// body's range with the slack of the settings.
     pub frames_at_limit_share: f64,
     /// Joints and sums that were there, with their share of frames, most frequent first.
     pub joints_at_limit: Vec<(String, f64)>,
@@ -96,7 +109,7 @@ pub(super) fn describe(
     targets: &Targets,
     smooth: &Smooth,
     qdot: &[Vec<f64>],
-    (offset, settings): &(Offset, FitSettings),
+    Found { offset, turns: calibration, settings }: &Found,
 ) -> FitReport {
     let (hand, turns) = residuals(chain, targets, smooth, offset);
     let (frames_at_limit_share, joints_at_limit) = at_limits(chain, &smooth.q);
@@ -109,6 +122,9 @@ pub(super) fn describe(
         frames: smooth.q.len(),
         hand_residual_mm: spread(&hand),
         orientation_residual_deg: turns,
+        calibration_deg: calibrated(&targets.segments, calibration),
+        stretch_mm: targets.stretch_m * 1e3,
+        beyond_range: beyond(chain, &smooth.q),
         frames_at_limit_share,
         joints_at_limit,
         pelvis_offset_mm: (offset.mean * 1e3).into(),
@@ -153,6 +169,31 @@ fn residuals(
     let rms = |sum: &f64| (sum / hand.len() as f64).sqrt().to_degrees();
     let turns = targets.segments.iter().cloned().zip(squares.iter().map(rms)).collect();
     (hand, turns)
+}
+
+/// The turns of the segments that were calibrated, deg.
+fn calibrated(segments: &[String], turns: &[UnitQuaternion<f64>]) -> Vec<(String, [f64; 3])> {
+    let all = segments.iter().zip(turns).filter(|(name, _)| is_calibrated(name));
+    all.map(|(name, c)| (name.clone(), c.scaled_axis().map(f64::to_degrees).into())).collect()
+}
+
+/// Joints beyond the range of the body in any posture, widest first.
+fn beyond(chain: &Chain, postures: &[DVector<f64>]) -> Vec<Beyond> {
+    let limits = &chain.body_limits;
+    let joints = chain.linkage.joints().iter().enumerate();
+    let mut found: Vec<Beyond> = joints
+        .filter_map(|(i, joint)| {
+            let out = |q: &DVector<f64>| (limits.lower[i] - q[i]).max(q[i] - limits.upper[i]);
+            let all: Vec<f64> = postures.iter().map(out).filter(|o| *o > 1e-9).collect();
+            Some(Beyond {
+                joint: joint.name.clone(),
+                largest_deg: all.iter().copied().reduce(f64::max)?.to_degrees(),
+                frames_share: all.len() as f64 / postures.len() as f64,
+            })
+        })
+        .collect();
+    found.sort_by(|a, b| b.largest_deg.total_cmp(&a.largest_deg));
+    found
 }
 
 /// Share of frames with anything at a limit, and what, with its share.
@@ -226,76 +267,4 @@ fn coupling_error(
     }
     let rms = |sum: f64| (sum / smooth.q.len() as f64).sqrt();
     (rms(error), rms(speed))
-}
-
-fn notes(
-    report: &FitReport,
-    recording: &Recording,
-    chain: &Chain,
-    side: Side,
-    targets: &Targets,
-    postures: &[DVector<f64>],
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    let missing: Vec<String> = super::targets::segment_names(side)
-        .into_iter()
-        .filter(|n| !targets.segments.contains(n))
-        .collect();
-    if !missing.is_empty() {
-        notes.push(format!(
-            "not recorded: {}; the joints between their neighbours share the turn as people usually do",
-            missing.join(", ")
-        ));
-    }
-    if report.frames_at_limit_share > AT_LIMIT_SHARE {
-        let listed: Vec<String> = report
-            .joints_at_limit
-            .iter()
-            .map(|(name, share)| format!("{name} {:.0} %", 100.0 * share))
-            .collect();
-        notes.push(format!(
-            "in {:.0} % of the frames something presses on a limit ({}): the person or the \
-             measurement goes further than this body may",
-            100.0 * report.frames_at_limit_share,
-            listed.join(", ")
-        ));
-    }
-    if report.frames_projected > 0 {
-        let hair = if report.largest_overshoot_deg <= HAIR_DEG {
-            "a hair, put back"
-        } else {
-            "put back; more than a hair, so rates near the limit are uncertain"
-        };
-        notes.push(format!(
-            "the filter carried {} frames across a limit, by at most {:.2} deg: {hair}",
-            report.frames_projected, report.largest_overshoot_deg
-        ));
-    }
-    if report.cutoff_hz >= 0.25 * recording.rate_hz {
-        notes.push(format!(
-            "not filtered: the cut-off of {} Hz is too near the frame rate of {} Hz",
-            report.cutoff_hz, recording.rate_hz
-        ));
-    }
-    let middle = format!("j{}Shoulder_X", side.prefix());
-    if let Some(c) = chain.linkage.joints().iter().position(|j| j.name == middle) {
-        let largest = postures.iter().map(|q| q[c].abs()).fold(0.0, f64::max).to_degrees();
-        if largest > MIDDLE_ANGLE_DEG {
-            notes.push(format!(
-                "{middle} reaches {largest:.0} deg: beyond {MIDDLE_ANGLE_DEG} deg the other two \
-                 shoulder angles change fast for small movements"
-            ));
-        }
-    }
-    let offset = Vec3::from(report.pelvis_offset_mm).norm();
-    if offset > LARGE_OFFSET_MM {
-        let hint = report.stature_hint_m.map_or_else(String::new, |s| {
-            format!("; by its arm the person is {s:.2} m tall, the body {:.2} m", chain.stature_m)
-        });
-        notes.push(format!(
-            "the recorded hand is {offset:.0} mm away from the model's on average (pelvis origin, \
-             trunk and shoulder breadth differ){hint}"
-        ));
-    }
-    notes
 }

@@ -62,7 +62,8 @@ pub fn pull(attraction: Option<&Attraction>, frame: &Frame, stature_m: f64) -> D
         || DVector::zeros(frame.q.len()),
         |a| {
             let usual = a.usual_posture(&frame.hand, stature_m);
-            (usual.posture - &frame.q) * (a.rate() * usual.confidence)
+            let rate = a.rate() * usual.trust();
+            (usual.posture - &frame.q) * rate
         },
     )
 }

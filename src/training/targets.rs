@@ -31,15 +31,33 @@ pub(super) struct Target {
     pub hand: Vec3,
 }
 
+impl Target {
+    /// The same frame with every recorded segment turned by a rotation about its own axes.
+    pub(super) fn turned(&self, turns: &[UnitQuaternion<f64>]) -> Self {
+        let rotations = self.rotations.iter().zip(turns).map(|(r, c)| r * c).collect();
+        Self { rotations, hand: self.hand }
+    }
+}
+
 /// All frames.
 #[derive(Debug, Clone)]
 pub(super) struct Targets {
     /// The chain's segments that were recorded.
     pub segments: Vec<String>,
     pub frames: Vec<Target>,
+    /// How far the recorded upper arm and forearm stretch, standard deviation, m: zero of rigid bones,
+    /// some centimetres of a solved skeleton that gives way between its joints.
+    pub stretch_m: f64,
 }
 
 impl Targets {
+    /// Turns every recorded segment about its own axes, in all frames.
+    pub(super) fn turn(&mut self, turns: &[UnitQuaternion<f64>]) {
+        for frame in &mut self.frames {
+            *frame = frame.turned(turns);
+        }
+    }
+
     /// # Errors
     /// Where the pelvis, the thorax, the upper arm, the forearm or the hand is missing, where there
     /// are fewer than four frames, or a number is not finite.
@@ -47,9 +65,8 @@ impl Targets {
         let pelvis = required(recording, "Pelvis")?;
         let hand = required(recording, &format!("{}Hand", side.prefix()))?;
         required(recording, "T8")?;
-        for part in ["UpperArm", "ForeArm"] {
-            required(recording, &format!("{}{part}", side.prefix()))?;
-        }
+        let upper_arm = required(recording, &format!("{}UpperArm", side.prefix()))?;
+        let forearm = required(recording, &format!("{}ForeArm", side.prefix()))?;
         let tracks: Vec<&SegmentTrack> =
             segment_names(side).iter().filter_map(|n| recording.segment(n)).collect();
         let count = recording.frames();
@@ -77,8 +94,20 @@ impl Targets {
             return Err(InputError::new(&recording.source, message)
                 .remedy("cut the recording where tracking was lost"));
         }
-        Ok(Self { segments: tracks.iter().map(|t| t.name.clone()).collect(), frames })
+        let stretch_m = (wander(upper_arm, forearm) + wander(forearm, hand)).sqrt();
+        let segments = tracks.iter().map(|t| t.name.clone()).collect();
+        Ok(Self { segments, frames, stretch_m })
     }
+}
+
+/// Variance of the place of `to` in the axes of `from`, all three directions together, m^2.
+fn wander(from: &SegmentTrack, to: &SegmentTrack) -> f64 {
+    let places: Vec<Vec3> = (0..from.position.len())
+        .map(|i| from.rotation[i].inverse() * (to.position[i] - from.position[i]))
+        .collect();
+    let count = places.len() as f64;
+    let mean = places.iter().sum::<Vec3>() / count;
+    places.iter().map(|p| (p - mean).norm_squared()).sum::<f64>() / count
 }
 
 fn required<'a>(recording: &'a Recording, name: &str) -> Result<&'a SegmentTrack, InputError> {
