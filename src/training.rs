@@ -13,6 +13,7 @@
 
 mod active_set;
 mod calibration;
+mod calibration_experiment;
 mod chain;
 mod data_file;
 mod dataset;
@@ -36,6 +37,7 @@ mod toy5r_experiment;
 pub mod toy5r_paper;
 mod train;
 
+pub use calibration_experiment::{CalibrationCell, run_calibration};
 pub use data_file::{DataFile, read_data, task_of_rows};
 pub use dataset::{DataRow, Dataset, Fold, Frame, Trial};
 pub use evaluate::{

@@ -6,7 +6,7 @@ use super::{Failure, Outcome};
 use crate::files::{InputError, suggest};
 use crate::human::{Body, Side};
 use crate::kinematics::{Linkage, read_urdf};
-use crate::posture::{Hold, Method};
+use crate::posture::{Hold, Method, Sampling};
 use crate::training::{
     DataFile, Dataset, Evaluation, Fold, GroupScore, Judging, Lengths, MethodScore, Objective,
     Optimiser, Percentiles, TrainSettings, Trial, evaluate, read_data,
@@ -77,6 +77,9 @@ pub(super) struct Args {
     /// Walk without the pull towards the person's own postures.
     #[arg(long)]
     no_attraction: bool,
+    /// Draw people as published: a fresh joint velocity at each sample, not calibrated.
+    #[arg(long)]
+    independent: bool,
     /// Rows per second of files without time_s; by default found from q and qdot.
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
@@ -223,6 +226,7 @@ fn settings(args: &Args) -> Result<TrainSettings, InputError> {
         exact_samples: args.exact_samples,
         inducing: args.inducing,
         has_attraction: !args.no_attraction,
+        sampling: if args.independent { Sampling::Independent } else { Sampling::Pathwise },
         seed: args.seed,
         ..TrainSettings::default()
     };

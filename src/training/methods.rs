@@ -216,8 +216,7 @@ impl School<'_> {
         let (log_w, hypers) = match known {
             Some(known) => known,
             None => {
-                let temper = self.temper(log_w)?;
-                let found = process::identify(&self.few, log_w, self.settings, temper)?;
+                let found = process::identify(&self.few, log_w, self.settings, 1.0)?;
                 (found.log_w, vec![found.hyper])
             }
         };
@@ -248,7 +247,7 @@ impl School<'_> {
         let free = if law.law.is_direct { 1.0 } else { (n - m) as f64 / n as f64 };
         let is_separate = settings.separate_kernels;
         if law.hypers.is_empty() || (is_separate && law.hypers.len() == 1) {
-            let temper = self.temper_of(targets);
+            let temper = 1.0;
             let of = |t: &DMatrix<f64>| {
                 process::kernel_parameters(&self.few, t, free, settings, temper)
             };

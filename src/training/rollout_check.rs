@@ -23,7 +23,7 @@ use crate::math::Pose;
 use crate::math::redundancy::{null_space_basis, weighted_pseudo_inverse};
 use crate::math::stats::quantile_of_sorted;
 use crate::math::stream::{Purpose, stream};
-use crate::posture::{Attraction, Floors, HandPath, PostureLaw, Sampler, Sampling, Start, roll_out};
+use crate::posture::{Floors, HandPath, PostureLaw, Sampler, Sampling, Start, roll_out};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -95,10 +95,15 @@ pub fn check_rollouts(
     let free = law.law.clone();
     let pulled = PostureLaw { attraction: attraction.clone(), ..law.law.clone() };
     let used = if settings.has_attraction { &pulled_settings } else { settings };
-    let (noise, calibration) = calibrated_noise(dataset, &fold.train, law, used)?;
+    let (mut noise, mut calibration) = calibrated_noise(dataset, &fold.train, law, used)?;
+    if settings.sampling == Sampling::Independent {
+        // The published sampler as it is.
+        noise.factor /= calibration;
+        calibration = 1.0;
+    }
     let mut sampled = if settings.has_attraction { pulled.clone() } else { free.clone() };
     sampled.noise = noise;
-    let (bands, reach_exceeded_share) = bands(dataset, &sampled, &paths, ROLLOUTS, settings.seed)?;
+    let (bands, reach_exceeded_share) = bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
     Ok(RolloutScore {
         path_error_deg: path_error_deg(dataset, &free, &test),
         pulled_path_error_deg: path_error_deg(dataset, &pulled, &test),
@@ -111,7 +116,7 @@ pub fn check_rollouts(
 }
 
 /// Uninterrupted paths of a length that a band makes sense for.
-fn pieces<'a>(frames: &[&'a Frame]) -> Vec<Vec<&'a Frame>> {
+pub(super) fn pieces<'a>(frames: &[&'a Frame]) -> Vec<Vec<&'a Frame>> {
     let all = runs(frames);
     all.iter().flat_map(|run| run.chunks(LONGEST_RUN)).filter(|p| p.len() > 2).map(<[_]>::to_vec).collect()
 }
@@ -146,7 +151,8 @@ pub fn calibrated_noise(
         for (own, test) in &blocks {
             let scaled = crate::posture::Noise { factor: &noise.factor * factor, ..noise.clone() };
             let own = PostureLaw { noise: scaled, ..own.clone() };
-            let (b, _) = bands(dataset, &own, &pieces(test), CALIBRATION_ROLLOUTS, settings.seed)?;
+            let how = (settings.seed, Sampling::Pathwise);
+            let (b, _) = bands(dataset, &own, &pieces(test), CALIBRATION_ROLLOUTS, how)?;
             let weight = test.len() as f64;
             sum += weight * b.coverage_90;
             count += weight;
@@ -215,14 +221,14 @@ fn drift_deg(dataset: &Dataset, law: &PostureLaw, paths: &[Vec<&Frame>]) -> f64 
 }
 
 /// Bands of sampled rollouts along paths, and the share of walks that could not continue.
-fn bands(
+pub(super) fn bands(
     dataset: &Dataset,
     law: &PostureLaw,
     paths: &[Vec<&Frame>],
     rollouts: u32,
-    seed: u64,
+    (seed, sampling): (u64, Sampling),
 ) -> Result<(Bands, f64), InputError> {
-    let sampler = Sampler::new(law, Sampling::Pathwise).ok_or_else(singular)?;
+    let sampler = Sampler::new(law, sampling).ok_or_else(singular)?;
     let (mut sum, mut count, mut ended) = (Bands::default(), 0.0, 0);
     let mut ends = 0.0;
     for (p, run) in paths.iter().enumerate() {
@@ -323,13 +329,4 @@ fn trajectory_ll(
         count += run.len() as f64;
     }
     Ok(sum / f64::max(count, 1.0))
-}
-
-/// The attraction for a law's training frames, as rollouts use it.
-pub(super) fn attraction_of(
-    dataset: &Dataset,
-    train: &[usize],
-    settings: &TrainSettings,
-) -> Option<Attraction> {
-    learn_attraction(dataset, &dataset.select(train), settings)
 }

@@ -1,6 +1,7 @@
 //! Settings of the training, with the defaults that held-out recordings chose.
 
 use crate::files::InputError;
+use crate::posture::Sampling;
 use serde::{Deserialize, Serialize};
 
 /// What the search for weights (and kernel parameters) maximises.
@@ -114,6 +115,8 @@ pub struct TrainSettings {
     pub inducing: Option<usize>,
     /// Standard deviation in every null direction below which nothing is claimed, rad/s.
     pub null_floor_rad_s: f64,
+    /// How people are drawn where bands are judged.
+    pub sampling: Sampling,
     /// Seed of everything random.
     pub seed: u64,
 }
@@ -139,6 +142,7 @@ impl Default for TrainSettings {
             search_samples: 1000,
             inducing: None,
             null_floor_rad_s: 0.01,
+            sampling: Sampling::Pathwise,
             seed: 0,
         }
     }
