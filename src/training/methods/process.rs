@@ -51,7 +51,7 @@ impl Inputs {
 }
 
 /// Root mean square of each target, rad/s: what the likelihood divides by.
-fn scales(targets: &DMatrix<f64>) -> Vec<f64> {
+pub(super) fn scales(targets: &DMatrix<f64>) -> Vec<f64> {
     let rms = |c: nalgebra::DVectorView<f64>| (c.norm_squared() / c.len() as f64).sqrt();
     targets.column_iter().map(|c| rms(c.as_view()).max(SMALLEST_SCALE)).collect()
 }
