@@ -43,7 +43,8 @@ fn with_process(law: &PostureLaw, count: usize) -> PostureLaw {
     let dataset = operator(count);
     let settings = TrainSettings::default();
     let stature = dataset.coupling.stature_m();
-    let learned = learn_laws(&[Method::FullWGp], &sparse(&dataset), stature, &settings, None).unwrap();
+    let learned =
+        learn_laws(&[Method::FullWGp], &sparse(&dataset), stature, &settings, None).unwrap();
     let processes = learned[0].law.processes.clone();
     assert_eq!(processes[0].centre_count(), count);
     PostureLaw { processes, ..law.clone() }
