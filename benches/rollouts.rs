@@ -1,58 +1,115 @@
 //! Posture steps per second: rollouts of 24 joints along a lift, with attraction and noise.
+//!
+//! One path sample is one step of integration: the hand moves 4.4 mm from one to the next, and only
+//! beyond 8 mm a step is divided.
 
 #![allow(clippy::unwrap_used, reason = "a bench may panic")]
 
+mod common;
+
+use common::{body, operator, sparse};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use ergopath::human::{Body, Side};
+use ergopath::human::Side;
 use ergopath::kinematics::{Frames, Linkage};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::math::{Pose, Vec3};
 use ergopath::posture::{
-    Coupling, HandPath, Hold, StartRule, roll_out, simulated_operator, start_postures,
+    Coupling, HandPath, Hold, Method, PostureLaw, Sampler, Sampling, Start, StartRule, roll_out,
+    simulated_operator, start_postures,
 };
+use ergopath::training::{TrainSettings, learn_laws};
 use nalgebra::UnitQuaternion;
 use std::hint::black_box;
 use std::path::Path;
 
 const STEPS: usize = 100;
+const DT_S: f64 = 0.04;
 
-fn rollouts(c: &mut Criterion) {
-    let body = Body::load("female_p50", Path::new(".")).unwrap();
-    let model = simulated_operator(&body, Side::Right).unwrap();
-    let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+/// A lift by 35 cm to the side and 25 cm up.
+fn lift() -> Vec<Pose> {
     // Thumb up, wrist behind: z to y, y to -x of the pelvis frame.
     let turn = UnitQuaternion::from_basis_unchecked(&[-Vec3::z(), -Vec3::x(), Vec3::y()]);
-    let hands: Vec<Pose> = (0..=STEPS)
+    (0..=STEPS)
         .map(|i| {
             let s = i as f64 / STEPS as f64;
             let at = Vec3::new(0.38 + 0.06 * s, 0.02 + 0.35 * s, 0.02 + 0.25 * s);
             Pose::from_parts(at.into(), turn)
         })
-        .collect();
-    let time: Vec<f64> = (0..=STEPS).map(|i| 0.04 * i as f64).collect();
+        .collect()
+}
+
+/// The law of full-w-gp with an exact process of `count` samples.
+fn with_process(law: &PostureLaw, count: usize) -> PostureLaw {
+    let dataset = operator(count);
+    let settings = TrainSettings::default();
+    let stature = dataset.coupling.stature_m();
+    let learned =
+        learn_laws(&[Method::FullWGp], &sparse(&dataset), stature, &settings, None).unwrap();
+    let processes = learned[0].law.processes.clone();
+    assert_eq!(processes[0].centre_count(), count);
+    PostureLaw { processes, ..law.clone() }
+}
+
+fn rollouts(c: &mut Criterion) {
+    let body = body();
+    let model = simulated_operator(&body, Side::Right).unwrap();
+    let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+    let hands = lift();
+    let time: Vec<f64> = (0..=STEPS).map(|i| DT_S * i as f64).collect();
     let rule = StartRule::Sampled;
     let starts = start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 8);
-    let noise = model.noise.path(&mut stream(1, Purpose::Posture, 1, 0), STEPS + 1, 0.04);
+    let learned = with_process(&model.law, 1000);
 
-    let path = HandPath::new(&coupling, &model, time, hands);
     let mut group = c.benchmark_group("posture");
-    group.throughput(Throughput::Elements(STEPS as u64));
-    group.bench_function("rollout of 100 steps, full W, attraction, noise", |b| {
-        let mut r = 0;
-        b.iter(|| {
-            r = (r + 1) % starts.len();
-            roll_out(&coupling, &model, &path, &starts[r], Some(&noise))
+    let mut draws = 0;
+    for (name, law) in [("full-w", &model.law), ("full-w-gp of N = 1000", &learned)] {
+        let path = HandPath::new(&coupling, law, time.clone(), hands.clone());
+        let sampler = Sampler::new(law, Sampling::Pathwise).unwrap();
+        let people: Vec<_> = (0..starts.len() as u32)
+            .map(|r| sampler.draw(&mut stream(1, Purpose::Posture, 1, r), STEPS + 1, DT_S))
+            .collect();
+        // Who loses the path would walk fewer steps than are counted.
+        let walkers: Vec<(&Start, _)> = starts
+            .iter()
+            .zip(&people)
+            .filter(|(s, p)| {
+                roll_out(&coupling, law, &path, s, Some(*p)).reach_exceeded_at.is_none()
+            })
+            .collect();
+        assert!(walkers.len() > starts.len() / 2, "hardly anybody can follow the lift");
+        group.throughput(Throughput::Elements(STEPS as u64));
+        group.bench_function(format!("rollout of 100 steps, {name}, attraction, noise"), |b| {
+            let mut r = 0;
+            b.iter(|| {
+                r = (r + 1) % walkers.len();
+                let (start, person) = walkers[r];
+                roll_out(&coupling, law, &path, start, Some(person))
+            });
         });
+        group.throughput(Throughput::Elements(1));
+        group.bench_function(format!("one person's functions, {name}"), |b| {
+            b.iter(|| {
+                draws += 1;
+                sampler.functions(&mut stream(1, Purpose::Posture, 2, draws))
+            });
+        });
+    }
+    group.bench_function("noise of one person, 101 samples", |b| {
+        b.iter(|| model.law.noise.path(&mut stream(1, Purpose::Posture, 1, 0), STEPS + 1, DT_S));
     });
-    group.throughput(Throughput::Elements(1));
+    let process = &learned.processes[0];
+    let x = process.reduce(model.postures.mean.as_slice(), &[0.1; 6]);
+    group.bench_function("mean of a process, N = 1000, D = 30, 24 joints", |b| {
+        b.iter(|| process.mean(black_box(&x)));
+    });
     group.bench_function("one start posture", |b| {
-        b.iter(|| start_postures(&coupling, &model.postures, &rule, path.start(), (1, 0), 1));
+        b.iter(|| start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 1));
     });
     group.finish();
 }
 
 fn kinematics(c: &mut Criterion) {
-    let body = Body::load("female_p50", Path::new(".")).unwrap();
+    let body = body();
     let arm = Linkage::chain(&body.model, "Pelvis", "RightGrip").unwrap();
     let q: Vec<f64> = (0..arm.dof()).map(|i| 0.02 * i as f64).collect();
     let mut frames = Frames::default();

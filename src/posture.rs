@@ -35,7 +35,7 @@ pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, save_model};
 pub use model::{Method, MethodQuality, PostureDistribution, PostureModel, Provenance};
-pub use kernel::{GpHyper, InputScale, cross_kernel, reduced};
+pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Floors, Person, PostureLaw, Prediction, Query, Sampler, Sampling};
 pub use noise::{Noise, NoisePath, NoiseShares, gain, speed_squared};
 pub use primitive::{Primitive, basis};

@@ -47,6 +47,8 @@ pub use export::data_csv;
 pub use fit::{FitSettings, JointMotion, fit};
 pub use fit_report::{Beyond, FitReport, SegmentLength, Spread};
 pub use methods::{Law, WeightUncertainty, learn_laws};
+#[doc(hidden)]
+pub use methods::{with_kernel_search, with_weight_search};
 pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion};
 pub use noise_fit::learn_noise;
 pub use rollout_check::{Bands, RolloutScore, calibrated_noise, check_rollouts, path_error_deg};

@@ -2,13 +2,36 @@
 //!
 //! One thread each, so that the same inputs give the same bits with any number of threads.
 
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::inverse::{inverse, inverse_scratch};
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{DenseSolveCore, Llt, Solve};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::solvers::{Llt, Solve};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use nalgebra::DMatrix;
 
 fn view(m: &DMatrix<f64>) -> MatRef<'_, f64> {
     MatRef::from_column_major_slice(m.as_slice(), m.nrows(), m.ncols())
+}
+
+fn view_mut(m: &mut DMatrix<f64>) -> MatMut<'_, f64> {
+    let (rows, columns) = m.shape();
+    MatMut::from_column_major_slice_mut(m.as_mut_slice(), rows, columns)
+}
+
+/// Copies the lower triangle to the upper one, in blocks that stay in the cache.
+fn mirror(m: &mut DMatrix<f64>) {
+    const BLOCK: usize = 32;
+    let n = m.nrows();
+    for from in (0..n).step_by(BLOCK) {
+        for to in (0..=from).step_by(BLOCK) {
+            for i in from..(from + BLOCK).min(n) {
+                for j in to..(to + BLOCK).min(i) {
+                    m[(j, i)] = m[(i, j)];
+                }
+            }
+        }
+    }
 }
 
 fn owned(m: &Mat<f64>) -> DMatrix<f64> {
@@ -40,9 +63,19 @@ impl Factor {
 
     /// `A^-1`, symmetric.
     pub fn inverse(&self) -> DMatrix<f64> {
-        let mut inverse = owned(&self.llt.inverse());
-        inverse.fill_upper_triangle_with_lower_triangle();
-        inverse
+        let mut out = self.lower_inverse();
+        mirror(&mut out);
+        out
+    }
+
+    /// Lower triangle of `A^-1`; above it stand zeros.
+    pub fn lower_inverse(&self) -> DMatrix<f64> {
+        let l = self.llt.L();
+        let n = l.nrows();
+        let mut out = DMatrix::zeros(n, n);
+        let mut memory = MemBuffer::new(inverse_scratch::<f64>(n, Par::Seq));
+        inverse(view_mut(&mut out), l, Par::Seq, MemStack::new(&mut memory));
+        out
     }
 
     /// `log det A`.
@@ -54,18 +87,14 @@ impl Factor {
     /// `L^-1 B`, N x p.
     pub fn solve_lower(&self, rhs: &DMatrix<f64>) -> DMatrix<f64> {
         let mut out = rhs.clone();
-        let (rows, columns) = out.shape();
-        let target = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, columns);
-        self.llt.L().solve_lower_triangular_in_place(target);
+        self.llt.L().solve_lower_triangular_in_place(view_mut(&mut out));
         out
     }
 
     /// `L^-T B`, N x p.
     pub fn solve_lower_transposed(&self, rhs: &DMatrix<f64>) -> DMatrix<f64> {
         let mut out = rhs.clone();
-        let (rows, columns) = out.shape();
-        let target = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, columns);
-        self.llt.L().transpose().solve_upper_triangular_in_place(target);
+        self.llt.L().transpose().solve_upper_triangular_in_place(view_mut(&mut out));
         out
     }
 }
@@ -84,10 +113,40 @@ pub fn transposed_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
+/// `L B` for the lower triangle L of a matrix, N x p.
+pub fn lower_product(lower: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(lower.nrows(), b.ncols());
+    triangular::matmul(
+        view_mut(&mut out),
+        BlockStructure::Rectangular,
+        Accum::Replace,
+        view(lower),
+        BlockStructure::TriangularLower,
+        view(b),
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
+    out
+}
+
+/// Adds `factor A A^T` to the lower triangle of a matrix, N x N, for A of N x p.
+pub fn add_lower_square(lower: &mut DMatrix<f64>, a: &DMatrix<f64>, factor: f64) {
+    triangular::matmul(
+        view_mut(lower),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        view(a),
+        BlockStructure::Rectangular,
+        view(a).transpose(),
+        BlockStructure::Rectangular,
+        factor,
+        Par::Seq,
+    );
+}
+
 fn add_product(out: &mut DMatrix<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
-    let (rows, columns) = out.shape();
-    let target = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, columns);
-    matmul(target, Accum::Replace, a, b, 1.0, Par::Seq);
+    matmul(view_mut(out), Accum::Replace, a, b, 1.0, Par::Seq);
 }
 
 #[cfg(test)]
@@ -113,6 +172,12 @@ mod tests {
         assert_relative_eq!(l.transpose() * own.solve_lower_transposed(&b), b, epsilon = 1e-10);
         assert_relative_eq!(product(&spd, &b), &spd * &b, epsilon = 1e-10);
         assert_relative_eq!(transposed_product(&a, &b), a.tr_mul(&b), epsilon = 1e-10);
+        assert_relative_eq!(own.lower_inverse(), own.inverse().lower_triangle(), epsilon = 1e-12);
+        assert_relative_eq!(lower_product(&a, &b), a.lower_triangle() * &b, epsilon = 1e-10);
+        let mut lower = a.clone();
+        add_lower_square(&mut lower, &b, -0.5);
+        let full = &a - 0.5 * &b * b.transpose();
+        assert_relative_eq!(lower.lower_triangle(), full.lower_triangle(), epsilon = 1e-10);
         assert!(Factor::new(&-spd).is_none());
     }
 }

@@ -56,6 +56,8 @@ pub struct Observation {
     pub pose: Pose,
     /// Task Jacobian, m x n.
     pub jacobian: DMatrix<f64>,
+    /// Scratch: all six rows.
+    full: Matrix6xX<f64>,
 }
 
 impl Coupling {
@@ -105,32 +107,45 @@ impl Coupling {
 
     /// Pose of the grip and the task Jacobian at `q` (n, rad).
     pub fn observe(&self, q: &DVector<f64>, frames: &mut Frames) -> Observation {
-        self.arm.forward(q.as_slice(), frames);
-        let full = self.arm.jacobian(frames, 0);
-        let pose = self.arm.tip_pose(frames, 0);
-        Observation { jacobian: self.task_rows(&full, &pose), pose }
+        let n = self.dof();
+        let mut seen = Observation {
+            pose: Pose::identity(),
+            jacobian: DMatrix::zeros(self.hold.rows(), n),
+            full: Matrix6xX::zeros(n),
+        };
+        self.observe_again(q, frames, &mut seen);
+        seen
     }
 
-    fn task_rows(&self, full: &Matrix6xX<f64>, pose: &Pose) -> DMatrix<f64> {
-        let mut rows = DMatrix::zeros(self.hold.rows(), full.ncols());
+    /// The same written over another observation of this chain.
+    pub(super) fn observe_again(
+        &self,
+        q: &DVector<f64>,
+        frames: &mut Frames,
+        seen: &mut Observation,
+    ) {
+        self.arm.forward(q.as_slice(), frames);
+        self.arm.jacobian_into(frames, 0, &mut seen.full);
+        seen.pose = self.arm.tip_pose(frames, 0);
+        let Observation { pose, jacobian: rows, full } = seen;
         let linear = self.hold.linear_rows();
-        rows.rows_mut(0, linear).copy_from(&full.rows(0, linear));
         match self.hold {
-            Hold::Rigid => rows.rows_mut(3, 3).copy_from(&full.fixed_rows::<3>(3)),
+            Hold::Rigid => rows.as_mut_slice().copy_from_slice(full.as_slice()),
             Hold::FreeRoll => {
+                rows.rows_mut(0, linear).copy_from(&full.rows(0, linear));
                 let angular = full.fixed_rows::<3>(3);
                 for (i, axis) in grip_cross_axes(pose).iter().enumerate() {
                     rows.row_mut(3 + i).copy_from(&(axis.transpose() * angular));
                 }
             }
-            Hold::Point | Hold::Planar => {}
+            Hold::Point | Hold::Planar => rows.copy_from(&full.rows(0, linear)),
         }
-        rows
     }
 
     /// What the task prescribes of a twist or pose error given in base axes.
     fn task_part(&self, twist: &Vec6, pose: &Pose) -> DVector<f64> {
-        let mut part = twist.as_slice()[..self.hold.linear_rows()].to_vec();
+        let mut part = Vec::with_capacity(self.hold.rows());
+        part.extend_from_slice(&twist.as_slice()[..self.hold.linear_rows()]);
         let angular = Vec3::new(twist[3], twist[4], twist[5]);
         match self.hold {
             Hold::Rigid => part.extend_from_slice(angular.as_slice()),

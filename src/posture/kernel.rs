@@ -10,7 +10,8 @@ use crate::math::simd::{exp, wide};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Samples that are treated together.
+/// Samples that are treated together. With twice as many, a kernel row of a thousand samples takes
+/// 9.5 us instead of 3.7 us.
 const PANEL: usize = 16;
 /// A coordinate so far away that the kernel with it is zero: fills incomplete panels.
 const NOWHERE: f64 = 1e9;
@@ -103,44 +104,55 @@ impl Panels {
 
     /// `k(x, .)` for a reduced input x (D): N values.
     pub fn row(&self, x: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; self.count.div_ceil(PANEL) * PANEL];
-        wide(|| {
-            let panels = self.values.chunks_exact(PANEL * self.dimensions);
-            for (panel, k) in panels.zip(out.chunks_exact_mut(PANEL)) {
-                k.copy_from_slice(&panel_kernel(panel, x));
-            }
-        });
-        out.truncate(self.count);
+        let mut out = vec![0.0; self.count];
+        self.row_from(x, 0, &mut out);
         out
+    }
+
+    /// `k(x, .)` of all samples from panel `first` on, written over `out`.
+    fn row_from(&self, x: &[f64], first: usize, out: &mut [f64]) {
+        wide(
+            #[inline(always)]
+            || {
+                let panels = self.values.chunks_exact(PANEL * self.dimensions).skip(first);
+                for (panel, k) in panels.zip(out.chunks_mut(PANEL)) {
+                    let own = panel_kernel(panel, x);
+                    k.copy_from_slice(&own[..k.len()]);
+                }
+            },
+        );
     }
 
     /// Adds `k(x, .) V` to `out` (n), for V row by row, N rows of n numbers.
     pub fn apply(&self, x: &[f64], rows: &[f64], out: &mut [f64]) {
         let n = out.len();
-        wide(|| {
-            let panels = self.values.chunks_exact(PANEL * self.dimensions);
-            for (panel, block) in panels.zip(rows.chunks(PANEL * n)) {
-                let k = panel_kernel(panel, x);
-                let fours = block.chunks_exact(4 * n);
-                let rest = fours.remainder();
-                for (four, k) in fours.zip(k.chunks_exact(4)) {
-                    let (a, b) = four.split_at(2 * n);
-                    let ((a, b), (c, d)) = (a.split_at(n), b.split_at(n));
-                    let terms = a.iter().zip(b).zip(c.iter().zip(d));
-                    for (o, ((a, b), (c, d))) in out.iter_mut().zip(terms) {
-                        let low = k[0].mul_add(*a, k[1] * b);
-                        let high = k[2].mul_add(*c, k[3] * d);
-                        *o += low + high;
+        wide(
+            #[inline(always)]
+            || {
+                let panels = self.values.chunks_exact(PANEL * self.dimensions);
+                for (panel, block) in panels.zip(rows.chunks(PANEL * n)) {
+                    let k = panel_kernel(panel, x);
+                    let fours = block.chunks_exact(4 * n);
+                    let rest = fours.remainder();
+                    for (four, k) in fours.zip(k.chunks_exact(4)) {
+                        let (a, b) = four.split_at(2 * n);
+                        let ((a, b), (c, d)) = (a.split_at(n), b.split_at(n));
+                        let terms = a.iter().zip(b).zip(c.iter().zip(d));
+                        for (o, ((a, b), (c, d))) in out.iter_mut().zip(terms) {
+                            let low = k[0].mul_add(*a, k[1] * b);
+                            let high = k[2].mul_add(*c, k[3] * d);
+                            *o += low + high;
+                        }
+                    }
+                    let done = block.len() / (4 * n) * 4;
+                    for (row, k) in rest.chunks_exact(n).zip(&k[done..]) {
+                        for (o, v) in out.iter_mut().zip(row) {
+                            *o = k.mul_add(*v, *o);
+                        }
                     }
                 }
-                let done = block.len() / (4 * n) * 4;
-                for (row, k) in rest.chunks_exact(n).zip(&k[done..]) {
-                    for (o, v) in out.iter_mut().zip(row) {
-                        *o = k.mul_add(*v, *o);
-                    }
-                }
-            }
-        });
+            },
+        );
     }
 }
 
@@ -169,6 +181,19 @@ pub fn cross_kernel(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     for (j, mut column) in out.column_iter_mut().enumerate() {
         x.iter_mut().zip(b.row(j).iter()).for_each(|(x, v)| *x = *v);
         column.copy_from_slice(&panels.row(&x));
+    }
+    out
+}
+
+/// Lower triangle of `k(A, A)` of reduced rows (N x D), N x N; what stands above it means nothing.
+pub fn lower_kernel(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let panels = Panels::new(a, &vec![1.0; a.ncols()]);
+    let points = a.transpose();
+    let mut out = DMatrix::zeros(a.nrows(), a.nrows());
+    for (j, mut column) in out.column_iter_mut().enumerate() {
+        let first = j / PANEL;
+        let own = &mut column.as_mut_slice()[first * PANEL..];
+        panels.row_from(points.column(j).as_slice(), first, own);
     }
     out
 }
@@ -208,6 +233,9 @@ mod tests {
         for (a, b) in panels.row(&reduced).iter().zip(&naive) {
             assert!((a - b).abs() < 1e-14);
         }
+        let z = super::reduced(&rows, &scale.reduction(&hyper));
+        let (lower, full) = (lower_kernel(&z), cross_kernel(&z, &z));
+        assert_eq!(lower.lower_triangle(), full.lower_triangle());
         let values = normals(&mut rng, count * 5);
         let mut out = vec![0.0; 5];
         panels.apply(&reduced, &values, &mut out);

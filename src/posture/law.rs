@@ -284,13 +284,16 @@ impl Person<'_> {
             }
             z
         };
-        let mut noise = self.noise.at(index, part) * law.noise.gain(at.xdot.as_slice());
+        let gain = law.noise.gain(at.xdot.as_slice());
         if let Some(posteriors) = self.posteriors {
+            let mut noise = self.noise.at(index, part) * gain;
             for growth in law.growth(posteriors, std::slice::from_ref(at)) {
                 noise.component_mul_assign(&growth);
             }
+            z += noise;
+        } else {
+            self.noise.add_to(&mut z, index, part, gain);
         }
-        z += noise;
         z
     }
 }

@@ -97,7 +97,13 @@ impl Noise {
         for _ in 0..count {
             smooth.push(&self.factor * (&u * self.shares.correlated.sqrt() + &lasting));
             u = u * keep + draw() * fresh;
-            held.push(&self.factor * (draw() * white));
+            // Drawn even where it does not count, so that the shares do not change the rest.
+            let own = draw() * white;
+            held.push(if white == 0.0 {
+                DVector::zeros(self.factor.nrows())
+            } else {
+                &self.factor * own
+            });
         }
         NoisePath { smooth, held }
     }
@@ -135,9 +141,19 @@ pub struct NoisePath {
 impl NoisePath {
     /// Between sample `index` and the next; `part` in [0, 1].
     pub fn at(&self, index: usize, part: f64) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.smooth[0].len());
+        self.add_to(&mut sum, index, part, 1.0);
+        sum
+    }
+
+    /// Adds `gain` times the noise there to `out` (n, rad/s).
+    pub(super) fn add_to(&self, out: &mut DVector<f64>, index: usize, part: f64, gain: f64) {
         let last = self.smooth.len() - 1;
         let (a, b) = (&self.smooth[index.min(last)], &self.smooth[(index + 1).min(last)]);
-        a.lerp(b, part) + &self.held[index.min(last)]
+        let terms = a.iter().zip(b).zip(&self.held[index.min(last)]);
+        for (o, ((a, b), held)) in out.iter_mut().zip(terms) {
+            *o += gain * (a * (1.0 - part) + b * part + held);
+        }
     }
 }
 
@@ -173,6 +189,19 @@ mod tests {
                 assert!((ratio - 1.0).abs() < 0.04, "dt {dt}, {white} {correlated}: {ratio}");
             }
         }
+    }
+
+    #[test]
+    fn smooth_parts_are_interpolated_and_white_ones_held() {
+        let noise = Noise {
+            shares: NoiseShares { white: 0.4, correlated: 0.6, lasting: 0.0 },
+            ..Noise::correlated(DMatrix::identity(3, 3), 0.3)
+        };
+        let path = noise.path(&mut stream(1, Purpose::Posture, 0, 7), 5, 0.1);
+        let expected = path.smooth[2].lerp(&path.smooth[3], 0.3) + &path.held[2];
+        assert_eq!(path.at(2, 0.3), expected);
+        let last = &path.smooth[4] + &path.held[4];
+        assert!((path.at(9, 0.3) - last).norm() < 1e-12);
     }
 
     #[test]

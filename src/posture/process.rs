@@ -17,7 +17,7 @@
 //! ```
 //! The kernel does not depend on `W`. The mean is then conditioned on the task like any other `z`.
 
-use super::kernel::{GpHyper, InputScale, Panels, cross_kernel, reduced};
+use super::kernel::{GpHyper, InputScale, Panels, cross_kernel, lower_kernel, reduced};
 use crate::math::dense::{Factor, product, transposed_product};
 use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;
@@ -180,12 +180,15 @@ impl Process {
 
     /// Reduced input for a posture (n, rad) and a task velocity (m; m/s, rad/s).
     pub fn reduce(&self, q: &[f64], task_velocity: &[f64]) -> Vec<f64> {
-        q.iter()
-            .chain(task_velocity)
-            .zip(self.scale.mean.iter().zip(&self.scale.spread))
-            .zip(&self.reduction)
-            .map(|((v, (m, s)), r)| (v - m) / s * r)
-            .collect()
+        let mut x = Vec::with_capacity(q.len() + task_velocity.len());
+        x.extend(
+            q.iter()
+                .chain(task_velocity)
+                .zip(self.scale.mean.iter().zip(&self.scale.spread))
+                .zip(&self.reduction)
+                .map(|((v, (m, s)), r)| (v - m) / s * r),
+        );
+        x
     }
 
     /// Posterior mean of z for its joints at a reduced input, p, rad/s.
@@ -218,8 +221,9 @@ fn row_major(matrix: &DMatrix<f64>) -> Vec<f64> {
     matrix.transpose().as_slice().to_vec()
 }
 
+/// Lower triangle of `K_zz`.
 fn inner_kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut k = cross_kernel(z, z);
+    let mut k = lower_kernel(z);
     for i in 0..k.nrows() {
         k[(i, i)] += JITTER;
     }
@@ -228,7 +232,7 @@ fn inner_kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
 
 fn noisy_kernel(rows: &DMatrix<f64>, scale: &InputScale, hyper: &GpHyper) -> Option<Factor> {
     let x = reduced(rows, &scale.reduction(hyper));
-    let mut k = cross_kernel(&x, &x);
+    let mut k = lower_kernel(&x);
     for i in 0..k.nrows() {
         k[(i, i)] += hyper.noise_ratio;
     }
@@ -342,7 +346,7 @@ impl FunctionDraw {
 
     fn add_prior(&self, x: &[f64], out: &mut [f64]) {
         let n = out.len();
-        wide(|| {
+        wide(#[inline(always)] || {
             let waves = self.waves(x);
             for (rows, w) in self.weights.chunks_exact(4 * n).zip(waves.chunks_exact(4)) {
                 let (a, b) = rows.split_at(2 * n);
@@ -361,7 +365,7 @@ impl FunctionDraw {
         let mut x = vec![0.0; rows.ncols()];
         for (i, mut column) in out.column_iter_mut().enumerate() {
             x.iter_mut().zip(rows.row(i).iter()).for_each(|(x, v)| *x = *v);
-            column.copy_from_slice(&wide(|| self.waves(&x)));
+            column.copy_from_slice(&wide(#[inline(always)] || self.waves(&x)));
         }
         out.transpose()
     }

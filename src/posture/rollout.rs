@@ -8,13 +8,13 @@
 //! Steps are at most 8 mm and 2 deg of hand travel. All poses are of the grip in the pelvis frame.
 
 use super::attraction::UsualPosture;
-use super::coupling::Coupling;
+use super::coupling::{Coupling, Observation};
 use super::law::{Person, PostureLaw, Query};
 use super::start::Start;
 use super::step::{ReachExceeded, StepSolver};
 use crate::kinematics::Frames;
-use crate::math::{Pose, Vec6};
 use crate::math::pose::{interpolate, pose_error};
+use crate::math::{Pose, Vec6};
 use nalgebra::{DMatrix, DVector};
 
 /// Longest step of the hand, m and rad (2 deg).
@@ -103,13 +103,16 @@ pub fn roll_out(
     start: &Start,
     person: Option<&Person>,
 ) -> Rollout {
+    let first = start.q.clone().unwrap_or_else(|| DVector::zeros(law.dof()));
+    let mut frames = Frames::default();
     let mut walk = Walk {
         coupling,
         law,
         usual: &path.usual,
         solver: StepSolver::new(law.weight.clone()),
-        frames: Frames::default(),
-        q: start.q.clone().unwrap_or_else(|| DVector::zeros(law.dof())),
+        seen: coupling.observe(&first, &mut frames),
+        frames,
+        q: first,
     };
     let HandPath { time_s, targets, .. } = path;
     let linear = coupling.hold().linear_rows();
@@ -159,6 +162,8 @@ struct Walk<'a> {
     solver: StepSolver,
     frames: Frames,
     q: DVector<f64>,
+    /// Of `q`.
+    seen: Observation,
 }
 
 impl Walk<'_> {
@@ -184,11 +189,13 @@ impl Walk<'_> {
         let mut error = DVector::zeros(0);
         for step in 0..steps {
             let part = (step + 1) as f64 / steps as f64;
-            let target = interpolate(&leg.from, &leg.to, part);
-            let now = self.coupling.observe(&self.q, &mut self.frames);
-            let task = self.coupling.task_error(&now.pose, &target) / h;
+            let is_last = step + 1 == steps;
+            let target = if is_last { leg.to } else { interpolate(&leg.from, &leg.to, part) };
+            let mut task = self.coupling.task_error(&self.seen.pose, &target);
+            task /= h;
             let done = step as f64 / steps as f64;
-            let at = Query { q: &self.q, xdot: &twist, jacobian: &now.jacobian, phase: leg.phase };
+            let jacobian = &self.seen.jacobian;
+            let at = Query { q: &self.q, xdot: &twist, jacobian, phase: leg.phase };
             let mut preferred = match person {
                 Some(person) => person.preferred(self.law, &at, leg.index, done),
                 None => self.law.preferred(at.q, at.xdot),
@@ -196,13 +203,14 @@ impl Walk<'_> {
             if let Some((mean, _)) = &primitive {
                 preferred += mean;
             }
-            preferred += self.pull(leg.index, done);
+            self.pull(&mut preferred, leg.index, done);
             if self.law.is_direct {
-                self.drift(&preferred, h)?;
-                let now = self.coupling.observe(&self.q, &mut self.frames);
-                error = self.coupling.task_error(&now.pose, &target);
+                // A step that does not look at the hand: joints stop at their limits.
+                let none = DMatrix::zeros(0, self.q.len());
+                self.step(Some(&none), &DVector::zeros(0), &preferred, h)?;
+                error = self.coupling.task_error(&self.seen.pose, &target);
             } else {
-                self.step(&now.jacobian, &task, &preferred, h)?;
+                self.step(None, &task, &preferred, h)?;
                 error = self.correct(&target)?;
             }
         }
@@ -218,55 +226,52 @@ impl Walk<'_> {
         own
     }
 
-    /// A step that does not look at the hand: joints stop at their limits.
-    fn drift(&mut self, velocity: &DVector<f64>, h: f64) -> Result<(), ReachExceeded> {
-        let none = DMatrix::zeros(0, self.q.len());
-        self.step(&none, &DVector::zeros(0), velocity, h)
-    }
-
-    /// lambda c(x)^2 (m(x) - q), between two samples of the path.
-    fn pull(&self, index: usize, part: f64) -> DVector<f64> {
+    /// Adds lambda c(x)^2 (m(x) - q), between two samples of the path, to a velocity (n, rad/s).
+    fn pull(&self, velocity: &mut DVector<f64>, index: usize, part: f64) {
         let (Some(attraction), Some(a)) = (&self.law.attraction, self.usual.get(index)) else {
-            return DVector::zeros(self.q.len());
+            return;
         };
         let b = self.usual.get(index + 1).unwrap_or(a);
-        let trust = a.trust() + part * (b.trust() - a.trust());
-        (a.posture.lerp(&b.posture, part) - &self.q) * (attraction.rate() * trust)
+        let rate = attraction.rate() * (a.trust() + part * (b.trust() - a.trust()));
+        let usual = a.posture.iter().zip(&b.posture);
+        for ((v, (a, b)), q) in velocity.iter_mut().zip(usual).zip(&self.q) {
+            *v += rate * (a * (1.0 - part) + b * part - q);
+        }
     }
 
+    /// Moves for a time h (s) and looks where the hand is; `jacobian` in the place of the task's.
     fn step(
         &mut self,
-        jacobian: &DMatrix<f64>,
+        jacobian: Option<&DMatrix<f64>>,
         task: &DVector<f64>,
         preferred: &DVector<f64>,
         h: f64,
     ) -> Result<(), ReachExceeded> {
         let limits = self.coupling.limits();
+        let jacobian = jacobian.unwrap_or(&self.seen.jacobian);
         let qdot = self.solver.solve(&self.q, jacobian, task, preferred, limits, h)?;
         if qdot.amax() * h > LARGEST_JOINT_STEP {
             return Err(ReachExceeded);
         }
         self.q.axpy(h, &qdot, 1.0);
+        self.coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
         Ok(())
     }
 
     /// Newton corrections when the curvature of the step has taken the hand off the path.
     fn correct(&mut self, target: &Pose) -> Result<DVector<f64>, ReachExceeded> {
+        let linear = self.coupling.hold().linear_rows();
         for _ in 0..4 {
-            let now = self.coupling.observe(&self.q, &mut self.frames);
-            let error = self.coupling.task_error(&now.pose, target);
-            let linear = self.coupling.hold().linear_rows();
+            let error = self.coupling.task_error(&self.seen.pose, target);
             let metres = error.rows(0, linear).norm();
             let radians = error.rows_range(linear..).norm();
             if metres <= CORRECT_BEYOND_M && radians <= 4.0 * CORRECT_BEYOND_M {
                 return Ok(error);
             }
             let still = DVector::zeros(self.q.len());
-            self.step(&now.jacobian, &error, &still, 1.0)?;
+            self.step(None, &error, &still, 1.0)?;
         }
-        let now = self.coupling.observe(&self.q, &mut self.frames);
-        let error = self.coupling.task_error(&now.pose, target);
-        let linear = self.coupling.hold().linear_rows();
+        let error = self.coupling.task_error(&self.seen.pose, target);
         if error.rows(0, linear).norm() > END_BEYOND_M { Err(ReachExceeded) } else { Ok(error) }
     }
 }

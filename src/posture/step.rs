@@ -6,6 +6,7 @@
 //! Clamping after the step would take the hand off the path; rejecting would bias the distribution.
 
 use crate::human::PostureLimits;
+use crate::math::simd::wide;
 use nalgebra::{DMatrix, DVector};
 
 /// Ratio of pivots of `J W J^T` (in units of its diagonal) below which the task is out of reach.
@@ -13,6 +14,11 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// Violations smaller than this (rad) are rounding.
 const LIMIT_TOLERANCE: f64 = 1e-10;
 const MOST_PASSES: usize = 48;
+/// Rows of the task that are treated together.
+const LANES: usize = 8;
+
+/// Eight rows of the task at one joint; those that the task does not have are zero.
+type Lanes = [f64; LANES];
 
 /// The limits or the geometry leave no joint velocity that meets the task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,13 +30,31 @@ pub struct StepSolver {
     weight: DMatrix<f64>,
     locked: Vec<Option<f64>>,
     sums: Vec<Option<f64>>,
+    system: System,
+}
+
+/// The equations of one pass: m rows of the task and of held sums, in blocks of eight; n joints.
+#[derive(Debug, Clone, Default)]
+struct System {
+    /// Blocks of rows, b.
+    blocks: usize,
+    /// Joint by joint the rows of the task, zero where the joint is locked: n x b.
+    rows: Vec<Lanes>,
+    /// Joint by joint `W J^T`, n x b.
+    across: Vec<Lanes>,
+    /// Row by row `J W J^T`, m x b.
+    gram: Vec<Lanes>,
+    /// Its Cholesky factor in units of its diagonal, m x m, with inverse pivots; then those units, m.
+    factor: Vec<f64>,
+    /// What the preferred velocity leaves of the task, b; m/s, rad/s.
+    missing: Vec<Lanes>,
 }
 
 impl StepSolver {
     /// For a symmetric positive definite weight, n x n.
     pub fn new(weight: DMatrix<f64>) -> Self {
         let n = weight.nrows();
-        Self { weight, locked: vec![None; n], sums: Vec::new() }
+        Self { weight, locked: vec![None; n], sums: Vec::new(), system: System::default() }
     }
 
     /// Takes another weight of the same size.
@@ -88,62 +112,43 @@ impl StepSolver {
 
     /// The conditioned mean with locked joints and sums.
     fn conditioned(
-        &self,
+        &mut self,
         jacobian: &DMatrix<f64>,
         task: &DVector<f64>,
         preferred: &DVector<f64>,
         limits: &PostureLimits,
     ) -> Result<DVector<f64>, ReachExceeded> {
-        let (m, n) = jacobian.shape();
-        let mut s = preferred.clone();
-        for (i, rate) in self.locked.iter().enumerate() {
-            if let Some(rate) = rate {
-                s[i] = *rate;
+        let Self { weight, locked, sums, system } = self;
+        let mut velocity = preferred.clone();
+        for (v, rate) in velocity.iter_mut().zip(locked.iter()) {
+            *v = rate.unwrap_or(*v);
+        }
+        let held = sums.iter().enumerate().filter_map(|(i, r)| r.map(|r| (i, r)));
+        let count = task.len() + held.clone().count();
+        system.fill(count, jacobian, task);
+        for (row, (sum, rate)) in (task.len()..).zip(held) {
+            for &column in &limits.sums[sum].columns {
+                system.rows[column * system.blocks + row / LANES][row % LANES] = 1.0;
             }
+            system.missing[row / LANES][row % LANES] = rate;
         }
-        let held: Vec<(usize, f64)> =
-            self.sums.iter().enumerate().filter_map(|(i, r)| r.map(|r| (i, r))).collect();
-        let mut rows = DMatrix::zeros(m + held.len(), n);
-        rows.rows_mut(0, m).copy_from(jacobian);
-        let mut missing = DVector::zeros(m + held.len());
-        missing.rows_mut(0, m).copy_from(task);
-        for (k, (sum, rate)) in held.iter().enumerate() {
-            for &c in &limits.sums[*sum].columns {
-                rows[(m + k, c)] = 1.0;
-            }
-            missing[m + k] = *rate;
+        let is_solved = wide(
+            #[inline(always)]
+            || {
+                system.subtract(velocity.as_slice());
+                system.release(locked);
+                system.multiply(count, weight.as_slice(), locked);
+                system.solve(count) && {
+                    system.add_to(velocity.as_mut_slice());
+                    true
+                }
+            },
+        );
+        if is_solved && velocity.iter().all(|v| v.is_finite()) {
+            Ok(velocity)
+        } else {
+            Err(ReachExceeded)
         }
-        missing -= &rows * &s;
-        // Free joints only: locked ones keep their given rate.
-        for (i, rate) in self.locked.iter().enumerate() {
-            if rate.is_some() {
-                rows.column_mut(i).fill(0.0);
-            }
-        }
-        let mut across = &self.weight * rows.transpose();
-        for (i, rate) in self.locked.iter().enumerate() {
-            if rate.is_some() {
-                across.row_mut(i).fill(0.0);
-            }
-        }
-        let mut gram = &rows * &across;
-        // Rows of metres and of radians: scale to a unit diagonal before judging the rank.
-        let scale = gram.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
-        if scale.iter().any(|s| *s == 0.0 || !s.is_finite()) {
-            return Err(ReachExceeded);
-        }
-        for i in 0..gram.nrows() {
-            for j in 0..gram.ncols() {
-                gram[(i, j)] *= scale[i] * scale[j];
-            }
-        }
-        let factor = gram.cholesky().ok_or(ReachExceeded)?;
-        if factor.l_dirty().diagonal().iter().any(|p| p * p < RANK_TOLERANCE) {
-            return Err(ReachExceeded);
-        }
-        let multipliers = factor.solve(&missing.component_mul(&scale)).component_mul(&scale);
-        let velocity = s + across * multipliers;
-        if velocity.iter().all(|v| v.is_finite()) { Ok(velocity) } else { Err(ReachExceeded) }
     }
 
     fn violations(
@@ -168,6 +173,155 @@ impl StepSolver {
             check(Place::Sum(i), total(q), total(velocity), s.lower, s.upper)
         });
         joints.chain(sums).collect()
+    }
+}
+
+#[allow(clippy::inline_always, reason = "must be compiled inside the vectorised loop")]
+impl System {
+    /// Sizes everything for `count` rows, of which the task gives the first.
+    fn fill(&mut self, count: usize, jacobian: &DMatrix<f64>, task: &DVector<f64>) {
+        let n = jacobian.ncols();
+        self.blocks = count.div_ceil(LANES);
+        for (list, length) in [
+            (&mut self.rows, n * self.blocks),
+            (&mut self.across, n * self.blocks),
+            (&mut self.gram, count * self.blocks),
+            (&mut self.missing, self.blocks),
+        ] {
+            list.clear();
+            list.resize(length, [0.0; LANES]);
+        }
+        let m = task.len();
+        if m == 0 {
+            return;
+        }
+        let columns = jacobian.as_slice().chunks_exact(m);
+        for (own, column) in self.rows.chunks_exact_mut(self.blocks).zip(columns) {
+            own.as_flattened_mut()[..m].copy_from_slice(column);
+        }
+        self.missing.as_flattened_mut()[..m].copy_from_slice(task.as_slice());
+    }
+
+    /// Takes away from the task what a joint velocity (n, rad/s) does already.
+    #[inline(always)]
+    fn subtract(&mut self, velocity: &[f64]) {
+        for (column, v) in self.rows.chunks_exact(self.blocks.max(1)).zip(velocity) {
+            for (missing, row) in self.missing.iter_mut().zip(column) {
+                for (m, r) in missing.iter_mut().zip(row) {
+                    *m = r.mul_add(-v, *m);
+                }
+            }
+        }
+    }
+
+    /// Locked joints keep their given rate: they no longer serve the task.
+    #[inline(always)]
+    fn release(&mut self, locked: &[Option<f64>]) {
+        for (column, rate) in self.rows.chunks_exact_mut(self.blocks.max(1)).zip(locked) {
+            if rate.is_some() {
+                column.fill([0.0; LANES]);
+            }
+        }
+    }
+
+    /// `W J^T` of the free joints and `J W J^T`, for a symmetric W, n x n.
+    #[inline(always)]
+    fn multiply(&mut self, count: usize, weight: &[f64], locked: &[Option<f64>]) {
+        let Self { blocks, rows, across, gram, .. } = self;
+        let (blocks, n) = (*blocks, locked.len());
+        for b in 0..blocks {
+            for (i, w) in weight.chunks_exact(n).enumerate() {
+                if locked[i].is_some() {
+                    continue;
+                }
+                let mut sum = [0.0; LANES];
+                for (w, row) in w.iter().zip(rows.iter().skip(b).step_by(blocks)) {
+                    add_multiple(&mut sum, *w, row);
+                }
+                across[i * blocks + b] = sum;
+            }
+            // Eight rows of the product at a time, so that they stay in registers.
+            for from in (0..count).step_by(LANES) {
+                let mut sums = [[0.0; LANES]; LANES];
+                let left = rows.iter().skip(from / LANES).step_by(blocks);
+                for (left, right) in left.zip(across.iter().skip(b).step_by(blocks)) {
+                    for (sum, l) in sums.iter_mut().zip(left) {
+                        add_multiple(sum, *l, right);
+                    }
+                }
+                for (row, sum) in (from..count).zip(sums) {
+                    gram[row * blocks + b] = sum;
+                }
+            }
+        }
+    }
+
+    /// Replaces the missing part of the task by the multipliers; false where a row depends on others.
+    #[inline(always)]
+    fn solve(&mut self, count: usize) -> bool {
+        let Self { blocks, gram, missing, factor, .. } = self;
+        let gram = gram.as_flattened();
+        let missing = missing.as_flattened_mut();
+        let stride = *blocks * LANES;
+        // Rows of metres and of radians: scale to a unit diagonal before judging the rank.
+        factor.clear();
+        factor.resize(count * count + count, 0.0);
+        let (factor, scale) = factor.split_at_mut(count * count);
+        for (i, s) in scale.iter_mut().enumerate() {
+            *s = 1.0 / gram[i * stride + i].sqrt();
+            if !s.is_finite() {
+                return false;
+            }
+        }
+        for i in 0..count {
+            for j in 0..=i {
+                let mut sum = gram[i * stride + j] * scale[i] * scale[j];
+                for k in 0..j {
+                    sum = factor[i * count + k].mul_add(-factor[j * count + k], sum);
+                }
+                if i > j {
+                    factor[i * count + j] = sum * factor[j * count + j];
+                } else if sum >= RANK_TOLERANCE {
+                    // The inverse of the pivot's root: it is only ever divided by.
+                    factor[i * count + i] = 1.0 / sum.sqrt();
+                } else {
+                    return false;
+                }
+            }
+        }
+        for i in 0..count {
+            let mut sum = missing[i] * scale[i];
+            for k in 0..i {
+                sum = factor[i * count + k].mul_add(-missing[k], sum);
+            }
+            missing[i] = sum * factor[i * count + i];
+        }
+        for i in (0..count).rev() {
+            let mut sum = missing[i];
+            for k in i + 1..count {
+                sum = factor[k * count + i].mul_add(-missing[k], sum);
+            }
+            missing[i] = sum * factor[i * count + i];
+        }
+        missing.iter_mut().zip(scale).for_each(|(m, s)| *m *= *s);
+        true
+    }
+
+    /// Adds `W J^T` times the multipliers to a joint velocity, n, rad/s.
+    #[inline(always)]
+    fn add_to(&self, velocity: &mut [f64]) {
+        for (v, column) in velocity.iter_mut().zip(self.across.chunks_exact(self.blocks.max(1))) {
+            let terms = column.as_flattened().iter().zip(self.missing.as_flattened());
+            *v += terms.fold(0.0, |sum: f64, (a, m)| a.mul_add(*m, sum));
+        }
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "must be compiled inside the vectorised loop")]
+fn add_multiple(sum: &mut Lanes, factor: f64, lanes: &Lanes) {
+    for (s, l) in sum.iter_mut().zip(lanes) {
+        *s = factor.mul_add(*l, *s);
     }
 }
 
@@ -201,15 +355,16 @@ mod tests {
 
     proptest! {
         #[test]
-        fn without_limits_it_is_the_conditioned_mean(seed in 0u64..50) {
-            let (j, a) = (random(4, 9, seed), random(9, 9, seed + 100));
-            let w = &a * a.transpose() + DMatrix::identity(9, 9) * 0.1;
-            let z = random(9, 1, seed + 200).column(0).into_owned();
-            let x = random(4, 1, seed + 300).column(0).into_owned();
-            let q = DVector::zeros(9);
-            let own = StepSolver::new(w.clone()).solve(&q, &j, &x, &z, &wide(9), 0.1).unwrap();
+        fn without_limits_it_is_the_conditioned_mean(seed in 0u64..50, m in 1usize..11) {
+            let (j, a) = (random(m, 14, seed), random(14, 14, seed + 100));
+            let w = &a * a.transpose() + DMatrix::identity(14, 14) * 0.1;
+            let z = random(14, 1, seed + 200).column(0).into_owned();
+            let x = random(m, 1, seed + 300).column(0).into_owned();
+            let q = DVector::zeros(14);
+            let own = StepSolver::new(w.clone()).solve(&q, &j, &x, &z, &wide(14), 0.1).unwrap();
             let reference = condition(&j, &w, &z, &x).unwrap().mean;
-            prop_assert!((own - reference).norm() < 1e-7);
+            prop_assert!((&j * &own - &x).norm() < 1e-8);
+            prop_assert!((own - reference).norm() < 1e-6);
         }
 
         #[test]

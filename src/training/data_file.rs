@@ -244,7 +244,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("d.csv");
         std::fs::write(&path, text).unwrap();
-        read_data(&path, &chain(), None, None).map_err(|e| format!("{e} {:?}", miette::Report::new(e)))
+        read_data(&path, &chain(), None, None).map_err(|e| {
+            let message = e.to_string();
+            format!("{message} {:?}", miette::Report::new(e))
+        })
     }
 
     #[test]

@@ -16,6 +16,7 @@
 mod diagonal;
 mod hyper;
 mod inducing;
+mod measured;
 mod objective;
 mod optimiser;
 mod primitive;
@@ -23,6 +24,8 @@ mod process;
 mod samples;
 mod uncertainty;
 
+#[doc(hidden)]
+pub use measured::{with_kernel_search, with_weight_search};
 pub use uncertainty::WeightUncertainty;
 
 use super::dataset::{Frame, at_most, sparse};

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! min  N k / 2 log(tr(R^T K^-1 R) / (N k)) + k / 2 log det K + priors       (signal variance profiled)
-//! d/dtheta = tr(G dK/dtheta),   G = k/2 K^-1 - (N k / 2 Q) A A^T,   A = K^-1 R
+//! d/dtheta = k/2 tr(G dK/dtheta),   G = K^-1 - (N / Q) A A^T,   A = K^-1 R
 //! ```
 //! Parameters: log length-scale of the posture group, of the velocity group (or one for both), and
 //! log(noise ratio - floor). Consecutive frames of people are nearly copies, so the noise ratio is
@@ -10,10 +10,10 @@
 
 use super::objective::quadratic_form;
 use super::optimiser::{ValueAndGradient, descend};
-use crate::math::dense::{Factor, product};
-use crate::posture::{GpHyper, InputScale, cross_kernel, reduced};
+use crate::math::dense::{Factor, add_lower_square, lower_product, product};
+use crate::posture::{GpHyper, InputScale, lower_kernel, reduced};
 use crate::training::settings::{Lengths, Objective};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView};
 
 /// Median and standard deviation of the prior on the log noise ratio.
 const NOISE_PRIOR: (f64, f64) = (0.1, 1.5);
@@ -88,19 +88,15 @@ impl HyperProblem<'_> {
         }
     }
 
-    /// Kernel without noise, and K's parameters.
-    fn kernel(&self, x: &[f64]) -> (GpHyper, DMatrix<f64>) {
+    /// Kernel parameters, reduced inputs (N x D), and the lower triangle of K with its noise.
+    fn kernel(&self, x: &[f64]) -> (GpHyper, DMatrix<f64>, DMatrix<f64>) {
         let hyper = self.hyper(x);
         let z = reduced(self.rows, &self.scale.reduction(&hyper));
-        (hyper, cross_kernel(&z, &z))
-    }
-
-    fn factor(kernel: &DMatrix<f64>, noise_ratio: f64) -> Option<Factor> {
-        let mut k = kernel.clone();
-        for i in 0..k.nrows() {
-            k[(i, i)] += noise_ratio;
+        let mut kernel = lower_kernel(&z);
+        for i in 0..kernel.nrows() {
+            kernel[(i, i)] += hyper.noise_ratio;
         }
-        Factor::new(&k)
+        (hyper, z, kernel)
     }
 
     fn prior(x: &[f64], hyper: &GpHyper) -> f64 {
@@ -113,34 +109,36 @@ impl HyperProblem<'_> {
         let failed = (f64::INFINITY, vec![0.0; x.len()]);
         let (count, p) = self.targets.shape();
         let free = p as f64 * self.free_share;
-        let (hyper, kernel) = self.kernel(x);
-        let Some(factor) = Self::factor(&kernel, hyper.noise_ratio) else { return failed };
-        let inverse = factor.inverse();
-        let along = product(&inverse, self.targets);
+        let (hyper, z, kernel) = self.kernel(x);
+        let Some(factor) = Factor::new(&kernel) else { return failed };
+        let along = factor.solve(self.targets);
         let q = along.dot(self.targets).max(f64::MIN_POSITIVE);
         let terms = count as f64 * free;
         let likelihood = 0.5 * terms * (q / terms).ln() + 0.5 * free * factor.log_det();
         let value = self.temper * likelihood + Self::prior(x, &hyper);
 
-        let outer = product(&along, &along.transpose());
-        let g = inverse * (0.5 * free) - outer * (0.5 * terms / q);
+        // Only lower triangles: everything here is symmetric.
+        let mut g = factor.lower_inverse();
+        add_lower_square(&mut g, &along, -(count as f64) / q);
+        let trace = g.trace();
+        let sums = weigh(&mut g, &kernel);
+        let moved = lower_product(&g, &z);
         // dK / dlog l of a group: K o (squared reduced distance within the group).
         let n = self.scale.posture_count;
-        let z = reduced(self.rows, &self.scale.reduction(&hyper));
-        let weighted = g.component_mul(&kernel);
-        let ones = DMatrix::from_element(count, 1, 1.0);
-        let sums = &weighted * &ones;
-        let of_group = |from: usize, to: usize| -> f64 {
-            // sum_ij H_ij |z_i - z_j|^2 = 2 sum_i h_i |z_i|^2 - 2 tr(Z^T H Z), H symmetric.
-            let part = z.columns(from, to - from).into_owned();
-            let moved = product(&weighted, &part);
-            let squares: f64 =
-                (0..count).map(|i| sums[i] * part.row(i).norm_squared()).sum();
-            2.0 * squares - 2.0 * moved.dot(&part)
+        let of_group = |from: usize, size: usize| -> f64 {
+            // sum_ij H_ij |z_i - z_j|^2 = 2 sum_i h_i |z_i|^2 - 4 tr(Z^T L Z) for H of zero diagonal,
+            // its row sums h, and its lower triangle L.
+            let part = z.columns(from, size);
+            let squares = |z: DMatrixView<f64>| -> f64 {
+                z.column_iter()
+                    .map(|c| c.iter().zip(&sums).map(|(v, h)| h * v * v).sum::<f64>())
+                    .sum()
+            };
+            0.5 * free * (2.0 * squares(part) - 4.0 * moved.columns(from, size).dot(&part))
         };
-        let (by_q, by_v) = (of_group(0, n), of_group(n, z.ncols()));
+        let (by_q, by_v) = (of_group(0, n), of_group(n, z.ncols() - n));
         let noise = x[x.len() - 1].clamp(-14.0, 6.0).exp();
-        let by_noise = g.trace() * noise;
+        let by_noise = 0.5 * free * trace * noise;
         let ratio = (hyper.noise_ratio / NOISE_PRIOR.0).ln() / NOISE_PRIOR.1.powi(2);
         let mut gradient = match self.lengths {
             Lengths::Isotropic => vec![by_q + by_v, by_noise],
@@ -157,8 +155,8 @@ impl HyperProblem<'_> {
     fn left_out(&self, x: &[f64]) -> f64 {
         let (count, p) = self.targets.shape();
         let free = p as f64 * self.free_share;
-        let (hyper, kernel) = self.kernel(x);
-        let Some(factor) = Self::factor(&kernel, hyper.noise_ratio) else { return f64::INFINITY };
+        let (hyper, _, kernel) = self.kernel(x);
+        let Some(factor) = Factor::new(&kernel) else { return f64::INFINITY };
         let inverse = factor.inverse();
         let Some((form, logs)) =
             quadratic_form(self.objective, &inverse, hyper.noise_ratio, self.blocks)
@@ -170,6 +168,22 @@ impl HyperProblem<'_> {
         let likelihood = 0.5 * terms * (q / terms).ln() + 0.5 * free * logs;
         self.temper * likelihood + Self::prior(x, &hyper)
     }
+}
+
+/// Multiplies the lower triangle of `g` by that of the kernel, N x N, and clears the diagonal; the row
+/// sums of the symmetric product, N.
+fn weigh(g: &mut DMatrix<f64>, kernel: &DMatrix<f64>) -> Vec<f64> {
+    let mut sums = vec![0.0; g.nrows()];
+    for (j, (mut g, k)) in g.column_iter_mut().zip(kernel.column_iter()).enumerate() {
+        let (g, k) = (&mut g.as_mut_slice()[j..], &k.as_slice()[j..]);
+        g[0] = 0.0;
+        for ((g, k), sum) in g.iter_mut().zip(k).zip(&mut sums[j..]) {
+            *g *= k;
+            *sum += *g;
+        }
+        sums[j] += g.iter().sum::<f64>();
+    }
+    sums
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
 use cmaes::restart::{RestartOptions, RestartStrategy};
 use std::cell::RefCell;
+use std::collections::VecDeque;
 
 /// Steps that L-BFGS remembers.
 const MEMORY: usize = 10;
@@ -17,12 +18,29 @@ const GRADIENT_TOLERANCE: f64 = 1e-9;
 /// Value and gradient at a point.
 pub(super) type ValueAndGradient = (f64, Vec<f64>);
 
+/// Points that are remembered: those of one line search.
+const REMEMBERED: usize = 8;
+
 struct Seen {
-    last: Option<(Vec<f64>, ValueAndGradient)>,
+    /// The newest last.
+    recent: VecDeque<(Vec<f64>, ValueAndGradient)>,
     best: Option<(Vec<f64>, f64)>,
 }
 
-/// A function whose last value is kept, because solvers ask for value and gradient apart.
+impl Seen {
+    fn keep(&mut self, x: &[f64], found: &ValueAndGradient) {
+        if found.0.is_finite() && self.best.as_ref().is_none_or(|(_, b)| found.0 < *b) {
+            self.best = Some((x.to_vec(), found.0));
+        }
+        if self.recent.len() == REMEMBERED {
+            self.recent.pop_front();
+        }
+        self.recent.push_back((x.to_vec(), found.clone()));
+    }
+}
+
+/// A function whose last values are kept, because solvers ask for value and gradient apart, and line
+/// searches return to points they have seen.
 struct Remembered<'a, F> {
     function: &'a F,
     seen: &'a RefCell<Seen>,
@@ -30,17 +48,11 @@ struct Remembered<'a, F> {
 
 impl<F: Fn(&[f64]) -> ValueAndGradient> Remembered<'_, F> {
     fn at(&self, x: &[f64]) -> ValueAndGradient {
-        if let Some((point, found)) = &self.seen.borrow().last
-            && point == x
-        {
+        if let Some((_, found)) = self.seen.borrow().recent.iter().rev().find(|(p, _)| p == x) {
             return found.clone();
         }
         let found = (self.function)(x);
-        let mut seen = self.seen.borrow_mut();
-        if found.0.is_finite() && seen.best.as_ref().is_none_or(|(_, b)| found.0 < *b) {
-            seen.best = Some((x.to_vec(), found.0));
-        }
-        seen.last = Some((x.to_vec(), found.clone()));
+        self.seen.borrow_mut().keep(x, &found);
         found
     }
 }
@@ -71,13 +83,15 @@ pub(super) fn descend(
     iterations: u64,
     tolerance: f64,
 ) -> (Vec<f64>, f64) {
-    let seen = RefCell::new(Seen { last: None, best: None });
-    let steep = function(start).1.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let seen = RefCell::new(Seen { recent: VecDeque::new(), best: None });
+    let first = function(start);
+    let steep = first.1.iter().map(|g| g * g).sum::<f64>().sqrt();
     let scale = if steep.is_finite() { 1.0 / steep.max(1.0) } else { 1.0 };
-    let scaled = |x: &[f64]| {
-        let (value, gradient) = function(x);
+    let rescaled = |(value, gradient): ValueAndGradient| -> ValueAndGradient {
         (value * scale, gradient.into_iter().map(|g| g * scale).collect())
     };
+    let scaled = |x: &[f64]| rescaled(function(x));
+    seen.borrow_mut().keep(start, &rescaled(first));
     let problem = Remembered { function: &scaled, seen: &seen };
     let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
         .with_tolerance_cost((tolerance * scale).max(1e-14))

@@ -12,7 +12,7 @@ use super::optimiser::{descend, evolve};
 use super::samples::Samples;
 use super::tidy;
 use crate::math::dense::Factor;
-use crate::posture::{GpHyper, InputScale, Process, cross_kernel, reduced};
+use crate::posture::{GpHyper, InputScale, Process, lower_kernel, reduced};
 use crate::training::dataset::{Frame, at_most, block_numbers};
 use crate::training::settings::{Objective, Optimiser, TrainSettings};
 use nalgebra::DMatrix;
@@ -53,7 +53,7 @@ impl Inputs {
 }
 
 /// Root mean square of each target, rad/s: what the likelihood divides by.
-fn scales(targets: &DMatrix<f64>) -> Vec<f64> {
+pub(super) fn scales(targets: &DMatrix<f64>) -> Vec<f64> {
     let rms = |c: nalgebra::DVectorView<f64>| (c.norm_squared() / c.len() as f64).sqrt();
     targets.column_iter().map(|c| rms(c.as_view()).max(SMALLEST_SCALE)).collect()
 }
@@ -152,7 +152,7 @@ fn search_weights(problem: &WeightProblem, start: &[f64], settings: &TrainSettin
 
 fn inverse_kernel(inputs: &Inputs, hyper: &GpHyper) -> Option<DMatrix<f64>> {
     let z = reduced(&inputs.rows, &inputs.scale.reduction(hyper));
-    let mut k = cross_kernel(&z, &z);
+    let mut k = lower_kernel(&z);
     for i in 0..k.nrows() {
         k[(i, i)] += hyper.noise_ratio;
     }
