@@ -22,6 +22,7 @@ macro_rules! complain {
 mod batch;
 mod body;
 mod evaluate;
+mod experiment_size;
 mod inspect;
 mod plan;
 mod progress;
@@ -58,6 +59,9 @@ enum Command {
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
     Evaluate(Box<evaluate::Args>),
+    /// Shows how cost and quality grow with the number of frames.
+    #[command(hide = true)]
+    ExperimentSize(experiment_size::SizeArgs),
 }
 
 /// How a command ended when it did not fail.
@@ -82,6 +86,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => batch::compare(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::ExperimentSize(args) => experiment_size::size(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

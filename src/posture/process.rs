@@ -254,12 +254,17 @@ pub struct Posterior<'a> {
 impl Posterior<'_> {
     /// v(x): the share of the prior variance that the data leave open, in [0, 1], at reduced inputs.
     pub fn open_shares(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
-        let columns: Vec<DVector<f64>> =
-            inputs.iter().map(|x| DVector::from_vec(self.process.panels.row(x))).collect();
-        if columns.is_empty() {
-            return Vec::new();
+        // Batches, so that no matrix grows with the number of inputs.
+        const BATCH: usize = 512;
+        inputs.chunks(BATCH).flat_map(|batch| self.open_shares_at_once(batch)).collect()
+    }
+
+    fn open_shares_at_once(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
+        let count = self.process.centre_count();
+        let mut k = DMatrix::zeros(count, inputs.len());
+        for (mut column, x) in k.column_iter_mut().zip(inputs) {
+            column.copy_from_slice(&self.process.panels.row(x));
         }
-        let k = DMatrix::from_columns(&columns);
         let squares = |factor: &Factor| -> Vec<f64> {
             factor.solve_lower(&k).column_iter().map(|c| c.norm_squared()).collect()
         };
