@@ -17,12 +17,14 @@
 //! ```
 //! The kernel does not depend on `W`. The mean is then conditioned on the task like any other `z`.
 
+use super::inducing::sums;
 use super::kernel::{GpHyper, InputScale, Panels, cross_kernel, reduced};
-use crate::math::dense::{Factor, product, transposed_product};
+use crate::math::dense::{Factor, product};
 use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Pairs of Fourier features of a prior draw.
@@ -112,27 +114,21 @@ impl Process {
         targets: &DMatrix<f64>,
         centres: DMatrix<f64>,
     ) -> Option<Self> {
-        // Blocks of samples, so that N x M never stands in memory at once.
-        const BLOCK: usize = 4096;
-        let reduction = scale.reduction(&hyper);
-        let z = reduced(&centres, &reduction);
-        let count = centres.nrows();
-        let mut gram = DMatrix::zeros(count, count);
-        let mut moment = DMatrix::zeros(count, targets.ncols());
-        let mut from = 0;
-        while from < rows.nrows() {
-            let size = BLOCK.min(rows.nrows() - from);
-            let x = reduced(&rows.rows(from, size).into_owned(), &reduction);
-            let k = cross_kernel(&x, &z);
-            gram += transposed_product(&k, &k);
-            moment += transposed_product(&k, &targets.rows(from, size).into_owned());
-            from += size;
-        }
-        gram /= hyper.noise_ratio;
-        moment /= hyper.noise_ratio;
+        let (gram, moment) = sums(&hyper, &scale, rows, targets, &centres);
+        let z = reduced(&centres, &scale.reduction(&hyper));
         let a = inner_kernel(&z) + &gram;
         let coefficients = Factor::new(&a)?.solve(&moment);
         Some(Self::assemble(hyper, scale, outputs, centres, coefficients, Some(gram)))
+    }
+
+    /// The same kernel, input scale and centres with the values of other samples: raw inputs (N x D)
+    /// and targets (N x p, rad/s). `None` where the process is exact, which has no centres of its own,
+    /// or a kernel matrix is not positive definite.
+    pub fn relearned(&self, raw: &DMatrix<f64>, targets: &DMatrix<f64>) -> Option<Self> {
+        self.gram.as_ref()?;
+        let rows = self.scale.standardised(raw);
+        let (scale, outputs) = (self.scale.clone(), self.outputs.clone());
+        Self::inducing(self.hyper, scale, &rows, outputs, targets, self.centres.clone())
     }
 
     fn assemble(
@@ -256,7 +252,12 @@ impl Posterior<'_> {
     pub fn open_shares(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
         // Batches, so that no matrix grows with the number of inputs.
         const BATCH: usize = 512;
-        inputs.chunks(BATCH).flat_map(|batch| self.open_shares_at_once(batch)).collect()
+        if inputs.len() <= BATCH {
+            return self.open_shares_at_once(inputs);
+        }
+        let batches: Vec<Vec<f64>> =
+            inputs.par_chunks(BATCH).map(|batch| self.open_shares_at_once(batch)).collect();
+        batches.concat()
     }
 
     fn open_shares_at_once(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
@@ -436,6 +437,25 @@ mod tests {
         let (mean, open) = naive(&scale, &rows, &s, &x);
         assert_relative_eq!(gp.mean(&x).as_slice(), mean.as_slice(), epsilon = 1e-4);
         assert_relative_eq!(gp.posterior().unwrap().open_shares(&[x])[0], open, epsilon = 1e-4);
+    }
+
+    #[test]
+    fn other_samples_about_the_same_centres() {
+        let (scale, rows, s) = data(60);
+        let raw = DMatrix::from_fn(60, 6, |i, c| rows[(i, c)] * scale.spread[c] + scale.mean[c]);
+        let outputs = vec![0, 1, 2, 3];
+        let centres = rows.rows(0, 20).into_owned();
+        let (few, own) = (rows.rows(30, 30).into_owned(), s.rows(30, 30).into_owned());
+        let of = |rows: &DMatrix<f64>, s: &DMatrix<f64>| {
+            let (scale, outputs) = (scale.clone(), outputs.clone());
+            Process::inducing(HYPER, scale, rows, outputs, s, centres.clone()).unwrap()
+        };
+        let again = of(&rows, &s).relearned(&raw.rows(30, 30).into_owned(), &own).unwrap();
+        let x = again.reduce(&[0.1, -0.3, 0.2, 0.5], &[0.4, -0.2]);
+        let (a, b) = (again.mean(&x), of(&few, &own).mean(&x));
+        assert_relative_eq!(a.as_slice(), b.as_slice(), epsilon = 1e-9);
+        let exact = Process::exact(HYPER, scale.clone(), rows.clone(), outputs, &s).unwrap();
+        assert!(exact.relearned(&raw, &s).is_none());
     }
 
     #[test]

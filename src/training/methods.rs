@@ -78,8 +78,8 @@ fn tidy(log_w: Vec<f64>) -> Vec<f64> {
 /// Learns the laws of several methods from frames at 30 Hz.
 ///
 /// `before` holds laws of the same methods from nearly the same data (all but a block): weights
-/// start there, and processes keep weights and kernels and only learn their values anew, from no more
-/// frames than an exact process takes.
+/// start there, and processes keep weights, kernels and inducing centres and only learn their values
+/// anew; an exact one from no more frames than it takes.
 ///
 /// # Errors
 /// Where the chain is singular in the data.
@@ -91,9 +91,11 @@ pub fn learn_laws(
     before: Option<&[Law]>,
 ) -> Result<Vec<Law>, InputError> {
     let few = sparse(frames);
+    let is_exact =
+        before.is_some_and(|b| b.iter().flat_map(|l| &l.law.processes).all(|p| !p.is_inducing()));
     let school = School {
         frames,
-        few: if before.is_some() { at_most(&few, settings.exact_samples) } else { few },
+        few: if is_exact { at_most(&few, settings.exact_samples) } else { few },
         moment: second_moment(frames),
         stature_m,
         settings,
@@ -258,7 +260,14 @@ impl School<'_> {
                 vec![of(targets)]
             };
         }
-        let processes: Option<Vec<Process>> = if law.hypers.len() == 1 {
+        // Noise is what a law leaves of frames that it has not seen: a law from fewer frames than the
+        // final one would leave too much.
+        let known = self.old(law.method).map_or(&[][..], |l| &l.law.processes);
+        let processes: Option<Vec<Process>> = if known.iter().any(Process::is_inducing) {
+            let raw = process::raw_inputs(&self.few);
+            let own = |p: &Process| targets.select_columns(p.outputs());
+            known.iter().map(|p| p.relearned(&raw, &own(p))).collect()
+        } else if law.hypers.len() == 1 {
             process::process(&self.few, targets, law.hypers[0], settings).map(|p| vec![p])
         } else {
             let one = |(c, hyper): (usize, &GpHyper)| {

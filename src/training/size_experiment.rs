@@ -91,7 +91,7 @@ pub struct SizeExperiment {
 }
 
 /// Told where the experiment stands (stage, done, total); answers whether to go on.
-pub type Told<'a> = &'a (dyn Fn(&'static str, usize, usize) -> bool + Sync);
+pub(super) type Told<'a> = &'a (dyn Fn(&'static str, usize, usize) -> bool + Sync);
 
 /// Trains each method on more and more frames; none when told to stop.
 ///
