@@ -54,16 +54,6 @@ impl InputScale {
         (Self { posture_count, mean, spread }, rows)
     }
 
-    /// Raw inputs, N x (n + m), standardised like those of the fit.
-    pub fn standardised(&self, raw: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut rows = raw.clone();
-        let scales = self.mean.iter().zip(&self.spread);
-        for (mut column, (mean, spread)) in rows.column_iter_mut().zip(scales) {
-            column.iter_mut().for_each(|v| *v = (*v - mean) / spread);
-        }
-        rows
-    }
-
     /// Factor of each standardised input that makes it a reduced one.
     pub fn reduction(&self, hyper: &GpHyper) -> Vec<f64> {
         let n = self.posture_count;

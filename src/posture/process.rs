@@ -121,16 +121,6 @@ impl Process {
         Some(Self::assemble(hyper, scale, outputs, centres, coefficients, Some(gram)))
     }
 
-    /// The same kernel, input scale and centres with the values of other samples: raw inputs (N x D)
-    /// and targets (N x p, rad/s). `None` where the process is exact, which has no centres of its own,
-    /// or a kernel matrix is not positive definite.
-    pub fn relearned(&self, raw: &DMatrix<f64>, targets: &DMatrix<f64>) -> Option<Self> {
-        self.gram.as_ref()?;
-        let rows = self.scale.standardised(raw);
-        let (scale, outputs) = (self.scale.clone(), self.outputs.clone());
-        Self::inducing(self.hyper, scale, &rows, outputs, targets, self.centres.clone())
-    }
-
     fn assemble(
         hyper: GpHyper,
         scale: InputScale,
@@ -437,25 +427,6 @@ mod tests {
         let (mean, open) = naive(&scale, &rows, &s, &x);
         assert_relative_eq!(gp.mean(&x).as_slice(), mean.as_slice(), epsilon = 1e-4);
         assert_relative_eq!(gp.posterior().unwrap().open_shares(&[x])[0], open, epsilon = 1e-4);
-    }
-
-    #[test]
-    fn other_samples_about_the_same_centres() {
-        let (scale, rows, s) = data(60);
-        let raw = DMatrix::from_fn(60, 6, |i, c| rows[(i, c)] * scale.spread[c] + scale.mean[c]);
-        let outputs = vec![0, 1, 2, 3];
-        let centres = rows.rows(0, 20).into_owned();
-        let (few, own) = (rows.rows(30, 30).into_owned(), s.rows(30, 30).into_owned());
-        let of = |rows: &DMatrix<f64>, s: &DMatrix<f64>| {
-            let (scale, outputs) = (scale.clone(), outputs.clone());
-            Process::inducing(HYPER, scale, rows, outputs, s, centres.clone()).unwrap()
-        };
-        let again = of(&rows, &s).relearned(&raw.rows(30, 30).into_owned(), &own).unwrap();
-        let x = again.reduce(&[0.1, -0.3, 0.2, 0.5], &[0.4, -0.2]);
-        let (a, b) = (again.mean(&x), of(&few, &own).mean(&x));
-        assert_relative_eq!(a.as_slice(), b.as_slice(), epsilon = 1e-9);
-        let exact = Process::exact(HYPER, scale.clone(), rows.clone(), outputs, &s).unwrap();
-        assert!(exact.relearned(&raw, &s).is_none());
     }
 
     #[test]

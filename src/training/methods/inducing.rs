@@ -33,7 +33,7 @@ pub(super) fn centres(
 ) -> Option<DMatrix<f64>> {
     let all: Vec<usize> = (0..inputs.rows.nrows()).collect();
     let rows = inputs.rows.select_rows(&at_most(&all, CANDIDATES));
-    let most = settings.inducing.unwrap_or(NUMBERS[NUMBERS.len() - 1]);
+    let most = settings.inducing.unwrap_or(with_held_out(NUMBERS[NUMBERS.len() - 1]));
     let mut greedy = Greedy::new(reduced(&rows, &inputs.scale.reduction(hyper)), most);
     let number = match settings.inducing {
         Some(number) => number,
@@ -41,11 +41,28 @@ pub(super) fn centres(
             let judged = at_most(&all, JUDGED);
             let own = inputs.rows.select_rows(&judged);
             let targets = targets.select_rows(&judged);
-            let mut first = |number| rows.select_rows(greedy.first(number));
+            // A process is surer than it should be about inputs that it knows as centres: none of them
+            // may come from blocks that test.
+            let mut first = |number: usize| {
+                let order = greedy.first(with_held_out(number)).iter().copied();
+                let own: Vec<usize> =
+                    order.filter(|&i| !is_test(i, rows.nrows())).take(number).collect();
+                rows.select_rows(&own)
+            };
             enough(inputs, (&own, &targets), &mut first, hyper)?
         }
     };
     Some(rows.select_rows(greedy.first(number)))
+}
+
+/// So many candidates hold about `number` outside the blocks that test.
+fn with_held_out(number: usize) -> usize {
+    number * 5 / 4
+}
+
+/// Whether item `i` of `count` in order of time belongs to a block that tests: every fifth tenth.
+fn is_test(i: usize, count: usize) -> bool {
+    i * 10 / count % 5 == 4
 }
 
 /// Candidates in the order of what they tell, found as far as asked for.
@@ -113,10 +130,7 @@ fn enough(
     hyper: &GpHyper,
 ) -> Option<usize> {
     let count = rows.nrows();
-    // Every fifth tenth of the time tests.
-    let is_test = |i: usize| i * 10 / count % 5 == 4;
-    let train: Vec<usize> = (0..count).filter(|&i| !is_test(i)).collect();
-    let test: Vec<usize> = (0..count).filter(|&i| is_test(i)).collect();
+    let (test, train): (Vec<usize>, Vec<usize>) = (0..count).partition(|&i| is_test(i, count));
     let test = at_most(&test, TESTED);
     let (train_rows, train_targets) = (rows.select_rows(&train), targets.select_rows(&train));
     let outputs: Vec<usize> = (0..targets.ncols()).collect();
@@ -124,7 +138,8 @@ fn enough(
     let mut chosen = NUMBERS[0];
     for number in NUMBERS {
         let centres = first(number);
-        let is_last = centres.nrows() < number;
+        // The candidates are used up.
+        let is_last = centres.nrows() < number / 2;
         let process = Process::inducing(
             *hyper,
             inputs.scale.clone(),

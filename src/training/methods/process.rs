@@ -41,18 +41,13 @@ pub(super) struct Inputs {
 impl Inputs {
     pub(super) fn new(frames: &[&Frame]) -> Self {
         let n = frames.first().map_or(0, |f| f.q.len());
-        let (scale, rows) = InputScale::fit(&raw_inputs(frames), n);
+        let m = frames.first().map_or(0, |f| f.xdot.len());
+        let raw = DMatrix::from_fn(frames.len(), n + m, |i, c| {
+            if c < n { frames[i].q[c] } else { frames[i].xdot[c - n] }
+        });
+        let (scale, rows) = InputScale::fit(&raw, n);
         Self { scale, rows }
     }
-}
-
-/// Joint angles (rad) and task velocities (m/s, rad/s) of frames, N x (n + m).
-pub(super) fn raw_inputs(frames: &[&Frame]) -> DMatrix<f64> {
-    let n = frames.first().map_or(0, |f| f.q.len());
-    let m = frames.first().map_or(0, |f| f.xdot.len());
-    DMatrix::from_fn(frames.len(), n + m, |i, c| {
-        if c < n { frames[i].q[c] } else { frames[i].xdot[c - n] }
-    })
 }
 
 /// Root mean square of each target, rad/s: what the likelihood divides by.
