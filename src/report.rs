@@ -32,7 +32,7 @@ mod view;
 
 pub use comparison::{ComparisonRow, Difference, RowState, comparison};
 pub use figure_box::{BoxPanel, box_plots};
-pub use figure_growth::{GrowthLine, GrowthPoint, growth_plot};
+pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use size::size_files;
 
 use crate::planner::RunResult;

@@ -65,8 +65,8 @@ pub(super) fn size(args: &SizeArgs) -> Result<Outcome, Failure> {
         print(&result);
     }
     if let Some(folder) = folder {
-        let files = report::size_files(&result)
-            .map_err(|e| InputError::new("report", e.to_string()))?;
+        let files =
+            report::size_files(&result).map_err(|e| InputError::new("report", e.to_string()))?;
         for (name, bytes) in files {
             folder.write(&name, &bytes)?;
         }
@@ -91,7 +91,14 @@ fn print(result: &SizeExperiment) {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header([
-        "N", "method", "process", "training", "per row", "LL qdot", "relative RMSE", "peak memory",
+        "N",
+        "method",
+        "process",
+        "training",
+        "per row",
+        "LL qdot",
+        "relative RMSE",
+        "peak memory",
     ]);
     for column in [0, 3, 4, 5, 6, 7] {
         if let Some(column) = table.column_mut(column) {

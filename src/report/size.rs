@@ -1,7 +1,7 @@
 //! The files of the experiment on the number of frames: table, figure and JSON.
 
 use super::ReportError;
-use super::figure_growth::{GrowthLine, GrowthPoint, growth_plot};
+use super::figure_growth::{GrowthLine, GrowthNote, GrowthPoint, noted_growth_plot};
 use crate::training::SizeExperiment;
 
 const COLUMNS: [&str; 9] = [
@@ -25,7 +25,7 @@ pub fn size_files(result: &SizeExperiment) -> Result<Vec<(String, Vec<u8>)>, Rep
     Ok(vec![
         ("size.json".to_owned(), json.into_bytes()),
         ("size.csv".to_owned(), table(result)?),
-        ("size.png".to_owned(), growth_plot(&lines(result))?),
+        ("size.png".to_owned(), noted_growth_plot(&lines(result), &note(result))?),
     ])
 }
 
@@ -33,17 +33,25 @@ pub fn size_files(result: &SizeExperiment) -> Result<Vec<(String, Vec<u8>)>, Rep
 fn lines(result: &SizeExperiment) -> Vec<GrowthLine> {
     let mut lines: Vec<GrowthLine> = Vec::new();
     for row in &result.rows {
-        let point = GrowthPoint {
-            samples: row.samples,
-            log_likelihood: row.ll_q,
-            training_s: row.train_s,
-        };
+        let point =
+            GrowthPoint { samples: row.samples, log_likelihood: row.ll_q, training_s: row.train_s };
         match lines.iter_mut().find(|l| l.method == row.method) {
             Some(line) => line.points.push(point),
             None => lines.push(GrowthLine { method: row.method.to_owned(), points: vec![point] }),
         }
     }
     lines
+}
+
+fn note(result: &SizeExperiment) -> GrowthNote {
+    GrowthNote {
+        text: format!(
+            "Simulated operator: made-up reaches at {:.0} Hz, nobody was recorded. Judged on {} frames \
+             that no law has seen.",
+            result.rate_hz, result.test_frames
+        ),
+        exact_to: Some(result.exact_samples),
+    }
 }
 
 fn table(result: &SizeExperiment) -> Result<Vec<u8>, ReportError> {

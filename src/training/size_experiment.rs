@@ -264,7 +264,10 @@ mod tests {
         let go = |_: &'static str, _: usize, _: usize| true;
         let found = size_experiment(&body, &question, &settings, &go).unwrap().unwrap();
         assert!(found.simulated && found.test_frames >= 300);
-        assert_eq!(found.rows.iter().map(|r| r.samples).collect::<Vec<_>>(), [150, 150, 1200, 1200]);
+        assert_eq!(
+            found.rows.iter().map(|r| r.samples).collect::<Vec<_>>(),
+            [150, 150, 1200, 1200]
+        );
         assert_eq!(found.rows[1].centres, Some(0));
         assert!(found.rows[3].centres.is_some_and(|c| c > 0));
         assert!(found.rows[3].ll_q > found.rows[1].ll_q);

@@ -81,7 +81,13 @@ impl Greedy {
     fn new(rows: DMatrix<f64>, most: usize) -> Self {
         let count = rows.nrows();
         let most = most.min(count);
-        Self { rows, open: vec![1.0; count], most, factor: vec![0.0; count * most], order: Vec::new() }
+        Self {
+            rows,
+            open: vec![1.0; count],
+            most,
+            factor: vec![0.0; count * most],
+            order: Vec::new(),
+        }
     }
 
     /// The first `number` candidates, or as many as tell anything.
