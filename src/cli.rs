@@ -23,6 +23,7 @@ mod batch;
 mod body;
 mod evaluate;
 mod experiment;
+mod experiment_size;
 mod inspect;
 mod plan;
 mod progress;

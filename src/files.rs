@@ -1,11 +1,13 @@
 //! Files at the edge: reading with errors that name the place, and writing whole or not at all.
 
 mod error;
+mod memory;
 mod output;
 mod table;
 mod text;
 
 pub use error::{InputError, suggest};
+pub use memory::{peak_memory_mib, restart_peak_memory};
 pub use output::{OutputFolder, write_whole};
 pub use table::NumericTable;
 pub use text::{parse_toml, read_bytes, read_text, sha256_hex};

@@ -19,6 +19,7 @@ mod attraction;
 mod conditional;
 mod coupling;
 mod file;
+mod inducing;
 mod kernel;
 mod law;
 mod model;

@@ -7,6 +7,7 @@
 //!           ─► page*   report.html
 //! result.json of several runs ─► comparison     comparison.csv, comparison.html
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
+//! SizeExperiment ─► size          size.png, size.csv, size.json
 //! ```
 //!
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
@@ -21,6 +22,7 @@ mod page_evidence;
 mod page_scores;
 mod panel;
 mod sheet;
+mod size;
 mod style;
 mod tables;
 #[cfg(test)]
@@ -30,7 +32,8 @@ mod view;
 
 pub use comparison::{ComparisonRow, Difference, RowState, comparison};
 pub use figure_box::{BoxPanel, box_plots};
-pub use figure_growth::{GrowthLine, GrowthPoint, growth_plot};
+pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
+pub use size::size_files;
 
 use crate::planner::RunResult;
 use thiserror::Error;

@@ -9,7 +9,8 @@
 //! the chain with its residuals, and an active set that keeps every posture inside all limits.
 //! [`train()`] learns the chosen method on everything after all methods have been judged on movement
 //! that they had not seen. [`toy5r`] is the paper's problem with a known truth, for judging methods;
-//! [`toy5r_paper`] holds the paper's own figures for it.
+//! [`toy5r_paper`] holds the paper's own figures for it. [`size_experiment`] shows how cost and quality
+//! grow with the number of frames, on movements of the simulated operator.
 
 mod active_set;
 mod calibration;
@@ -30,6 +31,8 @@ mod noise_fit;
 mod rollout_check;
 mod settings;
 mod sharing;
+mod simulated_movements;
+mod size_experiment;
 mod spread;
 mod targets;
 pub mod toy5r;
@@ -53,6 +56,8 @@ pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion};
 pub use noise_fit::learn_noise;
 pub use rollout_check::{Bands, RolloutScore, calibrated_noise, check_rollouts, path_error_deg};
 pub use settings::{Lengths, Objective, Optimiser, TrainSettings};
+pub use simulated_movements::{Reach, SimulatedMovements};
+pub use size_experiment::{SizeExperiment, SizeQuestion, SizeRow, size_experiment};
 pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};
 pub use toy5r_experiment::{
     InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,

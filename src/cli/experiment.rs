@@ -1,5 +1,6 @@
 //! `ergopath experiment`: the paper's experiments and our own, from made-up data to table and figure.
 
+use super::experiment_size::{SizeArgs, size};
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, OutputFolder, parse_toml, read_text};
@@ -29,6 +30,8 @@ enum Which {
     Toy5r(ToyArgs),
     /// Whether the bands of rollouts hold what they promise, whatever makes people differ: six cells.
     Calibration(CalibrationArgs),
+    /// How cost and held-out likelihood grow with the number of samples (a simulated operator).
+    Size(SizeArgs),
 }
 
 /// Arguments of `experiment calibration`.
@@ -76,6 +79,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     match &args.which {
         Which::Toy5r(args) => toy(args),
         Which::Calibration(args) => calibration(args),
+        Which::Size(args) => size(args),
     }
 }
 

@@ -4,8 +4,8 @@ use super::error::InputError;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The file by which a folder is known to be an output of ergopath and may be replaced.
-const MARK: &str = "result.json";
+/// The files by which a folder is known to be an output of ergopath and may be replaced.
+const MARKS: [&str; 4] = ["result.json", "comparison.csv", "size.json", "toy-5r.json"];
 
 /// A folder of results that appears complete or not at all.
 #[derive(Debug)]
@@ -22,8 +22,7 @@ impl OutputFolder {
         let target = std::path::absolute(target).map_err(io)?;
         if target.is_dir() {
             let is_empty = target.read_dir().map_err(io)?.next().is_none();
-            if !is_empty && !target.join(MARK).is_file() && !target.join("comparison.csv").is_file()
-            {
+            if !is_empty && !MARKS.iter().any(|mark| target.join(mark).is_file()) {
                 return Err(InputError::new(
                     &target,
                     "exists and is not an ergopath output folder",
@@ -123,13 +122,13 @@ mod tests {
         let target = room.path().join("out");
         let folder = OutputFolder::create(&target).unwrap();
         folder.write("paths/1.csv", b"a").unwrap();
-        folder.write(MARK, b"{}").unwrap();
+        folder.write(MARKS[0], b"{}").unwrap();
         assert!(!target.exists());
         folder.publish().unwrap();
         assert_eq!(std::fs::read(target.join("paths/1.csv")).unwrap(), b"a");
 
         let second = OutputFolder::create(&target).unwrap();
-        second.write(MARK, b"{2}").unwrap();
+        second.write(MARKS[0], b"{2}").unwrap();
         second.publish().unwrap();
         assert!(!target.join("paths").exists());
 

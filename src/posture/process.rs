@@ -17,12 +17,14 @@
 //! ```
 //! The kernel does not depend on `W`. The mean is then conditioned on the task like any other `z`.
 
+use super::inducing::sums;
 use super::kernel::{GpHyper, InputScale, Panels, cross_kernel, lower_kernel, reduced};
-use crate::math::dense::{Factor, product, transposed_product};
+use crate::math::dense::{Factor, product};
 use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Pairs of Fourier features of a prior draw.
@@ -112,24 +114,8 @@ impl Process {
         targets: &DMatrix<f64>,
         centres: DMatrix<f64>,
     ) -> Option<Self> {
-        // Blocks of samples, so that N x M never stands in memory at once.
-        const BLOCK: usize = 4096;
-        let reduction = scale.reduction(&hyper);
-        let z = reduced(&centres, &reduction);
-        let count = centres.nrows();
-        let mut gram = DMatrix::zeros(count, count);
-        let mut moment = DMatrix::zeros(count, targets.ncols());
-        let mut from = 0;
-        while from < rows.nrows() {
-            let size = BLOCK.min(rows.nrows() - from);
-            let x = reduced(&rows.rows(from, size).into_owned(), &reduction);
-            let k = cross_kernel(&x, &z);
-            gram += transposed_product(&k, &k);
-            moment += transposed_product(&k, &targets.rows(from, size).into_owned());
-            from += size;
-        }
-        gram /= hyper.noise_ratio;
-        moment /= hyper.noise_ratio;
+        let (gram, moment) = sums(&hyper, &scale, rows, targets, &centres);
+        let z = reduced(&centres, &scale.reduction(&hyper));
         let a = inner_kernel(&z) + &gram;
         let coefficients = Factor::new(&a)?.solve(&moment);
         Some(Self::assemble(hyper, scale, outputs, centres, coefficients, Some(gram)))
@@ -258,12 +244,22 @@ pub struct Posterior<'a> {
 impl Posterior<'_> {
     /// v(x): the share of the prior variance that the data leave open, in [0, 1], at reduced inputs.
     pub fn open_shares(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
-        let columns: Vec<DVector<f64>> =
-            inputs.iter().map(|x| DVector::from_vec(self.process.panels.row(x))).collect();
-        if columns.is_empty() {
-            return Vec::new();
+        // Batches, so that no matrix grows with the number of inputs.
+        const BATCH: usize = 512;
+        if inputs.len() <= BATCH {
+            return self.open_shares_at_once(inputs);
         }
-        let k = DMatrix::from_columns(&columns);
+        let batches: Vec<Vec<f64>> =
+            inputs.par_chunks(BATCH).map(|batch| self.open_shares_at_once(batch)).collect();
+        batches.concat()
+    }
+
+    fn open_shares_at_once(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
+        let count = self.process.centre_count();
+        let mut k = DMatrix::zeros(count, inputs.len());
+        for (mut column, x) in k.column_iter_mut().zip(inputs) {
+            column.copy_from_slice(&self.process.panels.row(x));
+        }
         let squares = |factor: &Factor| -> Vec<f64> {
             factor.solve_lower(&k).column_iter().map(|c| c.norm_squared()).collect()
         };

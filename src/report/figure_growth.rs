@@ -10,6 +10,8 @@ use super::value_axis::{Axis, method_color};
 const SIZE: (f64, f64) = (1400.0, 600.0);
 /// Top and bottom of the panels, px.
 const Y_PX: (f64, f64) = (84.0, 496.0);
+/// Room for a note, px.
+const NOTE: f64 = 30.0;
 /// Left ends of the panels, px.
 const LEFT: [f64; 2] = [96.0, 796.0];
 /// Free room between a line's end and its name, px.
@@ -37,6 +39,15 @@ pub struct GrowthLine {
     pub points: Vec<GrowthPoint>,
 }
 
+/// What has to be said with the lines.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GrowthNote {
+    /// A line of text below the panels.
+    pub text: String,
+    /// Largest number of samples with exact processes, marked where the axis reaches beyond it.
+    pub exact_to: Option<usize>,
+}
+
 type Pick = fn(&GrowthPoint) -> f64;
 
 /// Held-out log-likelihood and training time over the number of samples, a line per method named at
@@ -45,7 +56,18 @@ type Pick = fn(&GrowthPoint) -> f64;
 /// # Errors
 /// Where the picture cannot be drawn.
 pub fn growth_plot(lines: &[GrowthLine]) -> Result<Vec<u8>, ReportError> {
-    png("growth", (SIZE.0 as u32, SIZE.1 as u32), |sheet| {
+    noted_growth_plot(lines, &GrowthNote::default())
+}
+
+/// [`growth_plot`] with a note.
+///
+/// # Errors
+/// Where the picture cannot be drawn.
+pub fn noted_growth_plot(lines: &[GrowthLine], note: &GrowthNote) -> Result<Vec<u8>, ReportError> {
+    let height = SIZE.1 + if note.text.is_empty() { 0.0 } else { NOTE };
+    png("growth", (SIZE.0 as u32, height as u32), |sheet| {
+        let place = (LEFT[0], SIZE.1);
+        sheet.text(&note.text, place, Type { color: MUTED, ..Type::plain(TICK) }, Anchor::Left)?;
         let name_room = lines.iter().map(|l| sheet.width(&l.method, Type::plain(TICK)));
         let name_room = GAP + 16.0 + name_room.fold(40.0, f64::max).min(200.0);
         let samples = |p: &GrowthPoint| p.samples as f64;
@@ -65,6 +87,9 @@ pub fn growth_plot(lines: &[GrowthLine]) -> Result<Vec<u8>, ReportError> {
             let y = if is_log { Axis::logarithmic(&values) } else { Axis::linear(&values) };
             let panel = Panel { x_px, y_px: Y_PX, x: x.range, y: y.range };
             frame(sheet, &panel, title, (&x, &y))?;
+            if let Some(limit) = note.exact_to {
+                border(sheet, &panel, x.place(limit as f64))?;
+            }
             let mut ends = Vec::new();
             for (k, line) in lines.iter().enumerate() {
                 let pen = Pen { color: method_color(k), width: 3.0, stroke: Stroke::Solid };
@@ -82,6 +107,20 @@ pub fn growth_plot(lines: &[GrowthLine]) -> Result<Vec<u8>, ReportError> {
         }
         Ok(())
     })
+}
+
+/// A dashed line between exact processes and inducing centres, named at the foot of the panel.
+fn border(sheet: &Sheet, panel: &Panel, at: f64) -> Drawn {
+    if at <= panel.x.0 || at >= panel.x.1 {
+        return Ok(());
+    }
+    let (px, _) = panel.at(at, 0.0);
+    let (top, bottom) = panel.y_px;
+    let pen = Pen { color: MUTED, width: 1.0, stroke: Stroke::Dashed };
+    sheet.line(&[(px, top), (px, bottom)], pen)?;
+    let kind = Type { color: MUTED, ..Type::plain(TICK - 2.0) };
+    sheet.text("exact", (px - 8.0, bottom - 14.0), kind, Anchor::Right)?;
+    sheet.text("inducing centres", (px + 8.0, bottom - 14.0), kind, Anchor::Left)
 }
 
 /// Title, grid, ticks and the x axis.
@@ -166,6 +205,8 @@ mod tests {
         let odd = [line(vec![point(100, 0.0), point(200, f64::NAN)]), line(Vec::new())];
         for lines in [&[][..], &odd] {
             assert!(growth_plot(lines).unwrap().starts_with(b"\x89PNG"));
+            let note = GrowthNote { text: "made up".to_owned(), exact_to: Some(150) };
+            assert!(noted_growth_plot(lines, &note).unwrap().starts_with(b"\x89PNG"));
         }
     }
 }

@@ -340,15 +340,18 @@ fn set_demonstrations(frames: &mut [Frame]) {
 /// The block of each frame for leaving blocks out: its trial (of more than six, one of five groups),
 /// or a fifth of the time of a single trial.
 pub(super) fn block_numbers(frames: &[&Frame]) -> Vec<usize> {
-    let mut trials: Vec<usize> = frames.iter().map(|f| f.trial).collect();
-    trials.dedup();
+    let mut places: BTreeMap<usize, usize> = BTreeMap::new();
+    for f in frames {
+        let next = places.len();
+        places.entry(f.trial).or_insert(next);
+    }
     frames
         .iter()
         .enumerate()
-        .map(|(at, f)| match trials.len() {
+        .map(|(at, f)| match places.len() {
             0 | 1 => at * BLOCKS / frames.len(),
             count => {
-                let place = trials.iter().position(|&t| t == f.trial).unwrap_or(0);
+                let place = places.get(&f.trial).copied().unwrap_or(0);
                 if count > MOST_SINGLE_TRIALS { place % BLOCKS } else { place }
             }
         })

@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// Smallest standard deviation of the task velocity, m/s and rad/s.
-const TASK_FLOOR: f64 = 1e-4;
+pub(super) const TASK_FLOOR: f64 = 1e-4;
 
 /// What is judged, and how.
 #[derive(Debug, Clone)]
@@ -255,7 +255,7 @@ fn whole_demonstrations(dataset: &Dataset, fold: &Fold) -> Option<Fold> {
     Some(Fold { train, test })
 }
 
-fn group(rows: Vec<(&Frame, &Prediction)>, floors: &Floors) -> GroupScore {
+pub(super) fn group(rows: Vec<(&Frame, &Prediction)>, floors: &Floors) -> GroupScore {
     let mut sum = GroupScore { rows: rows.len(), ..GroupScore::default() };
     let (mut size, mut n, mut m) = (0.0, 0, 0);
     for (frame, p) in rows {

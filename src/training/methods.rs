@@ -39,6 +39,8 @@ use nalgebra::{DMatrix, DVector};
 const SHORT_SPAN_S: f64 = 4.0;
 /// Weights are kept to this step of log w: the rest is noise of the optimiser.
 const LOG_STEP: f64 = 1e-6;
+/// Most frames behind a process that is relearned without a block, over those of an exact process.
+const RELEARNED: usize = 8;
 
 /// What a method learned.
 #[derive(Debug, Clone)]
@@ -81,8 +83,8 @@ fn tidy(log_w: Vec<f64>) -> Vec<f64> {
 /// Learns the laws of several methods from frames at 30 Hz.
 ///
 /// `before` holds laws of the same methods from nearly the same data (all but a block): weights
-/// start there, and processes keep weights and kernels and only learn their values anew, from no more
-/// frames than an exact process takes.
+/// start there, and processes keep weights, kernels and the number of inducing centres and only learn
+/// their values anew; an exact one from no more frames than it takes.
 ///
 /// # Errors
 /// Where the chain is singular in the data.
@@ -94,9 +96,14 @@ pub fn learn_laws(
     before: Option<&[Law]>,
 ) -> Result<Vec<Law>, InputError> {
     let few = sparse(frames);
+    // Relearned for their residuals only: enough frames to be nearly as good as with all of them.
+    let most = before.map_or(usize::MAX, |laws| {
+        let is_inducing = laws.iter().flat_map(|l| &l.law.processes).any(Process::is_inducing);
+        settings.exact_samples * if is_inducing { RELEARNED } else { 1 }
+    });
     let school = School {
         frames,
-        few: if before.is_some() { at_most(&few, settings.exact_samples) } else { few },
+        few: at_most(&few, most),
         moment: second_moment(frames),
         stature_m,
         settings,
@@ -260,6 +267,7 @@ impl School<'_> {
                 vec![of(targets)]
             };
         }
+        let settings = &self.like_before(law.method);
         let processes: Option<Vec<Process>> = if law.hypers.len() == 1 {
             process::process(&self.few, targets, law.hypers[0], settings).map(|p| vec![p])
         } else {
@@ -271,6 +279,19 @@ impl School<'_> {
         };
         law.law.processes = processes?;
         Some(law)
+    }
+
+    /// The settings, or those that give a process as the one before: noise is what a law leaves of
+    /// frames that it has not seen, and a coarser law would leave too much. The centres are chosen anew,
+    /// because a process is surer than it should be about inputs that it knows as centres.
+    fn like_before(&self, method: Method) -> TrainSettings {
+        let settings = self.settings.clone();
+        match self.old(method).and_then(|l| l.law.processes.first()) {
+            Some(p) if p.is_inducing() => {
+                TrainSettings { exact_samples: 1, inducing: Some(p.centre_count()), ..settings }
+            }
+            _ => settings,
+        }
     }
 
     fn temper(&self, log_w: &[f64]) -> Option<f64> {
