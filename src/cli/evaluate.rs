@@ -52,9 +52,10 @@ pub(super) struct Args {
     /// Also walk along held-out paths: joint error, drift over round trips, coverage of the bands.
     #[arg(long)]
     rollout: bool,
-    /// What the search for weights maximises: marginal, leave-one-out, leave-trial-out, in-sample.
-    #[arg(long, value_parser = parse_objective, default_value = "marginal")]
-    objective: Objective,
+    /// What the search for weights maximises: marginal, leave-one-out, leave-trial-out or in-sample; by
+    /// default leave-trial-out where at least three movements train, else marginal.
+    #[arg(long, value_parser = parse_objective)]
+    objective: Option<Objective>,
     /// How it searches: lbfgs or bipop-cma-es.
     #[arg(long, value_parser = parse_optimiser, default_value = "lbfgs")]
     optimiser: Optimiser,

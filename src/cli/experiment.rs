@@ -9,7 +9,7 @@ use crate::report::{BoxPanel, box_plots};
 use crate::training::toy5r::ToyConstants;
 use crate::training::toy5r_paper::{PAPER_5R, open_constants};
 use crate::training::{
-    Percentiles, ToyResult, ToyScore, TrainSettings, run_calibration, run_toy, toy_methods,
+    Objective, Percentiles, ToyResult, ToyScore, TrainSettings, run_calibration, run_toy, toy_methods,
 };
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
@@ -43,6 +43,9 @@ struct CalibrationArgs {
     /// Without the pull towards the postures of the training trajectories.
     #[arg(long)]
     no_attraction: bool,
+    /// What the search for weights and kernel parameters maximises; by default leave-trial-out.
+    #[arg(long, value_parser = super::evaluate::parse_objective)]
+    objective: Option<Objective>,
     /// Print JSON at full precision.
     #[arg(long)]
     json: bool,
@@ -294,7 +297,11 @@ fn verdicts(result: &ToyResult) -> Vec<String> {
 }
 
 fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
-    let settings = TrainSettings { has_attraction: !args.no_attraction, ..TrainSettings::default() };
+    let settings = TrainSettings {
+        has_attraction: !args.no_attraction,
+        objective: args.objective,
+        ..TrainSettings::default()
+    };
     let progress = Progress::new();
     let tell = |done: usize| progress.tell("cells", done, 6);
     let cells = run_calibration(args.seed, &settings, &tell)?
@@ -308,7 +315,7 @@ fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
     table.load_style(presets::NOTHING);
     table.set_header([
         "people differ by", "dt", "in 90 %", "in 50 %", "width/oracle", "oracle in 90 %",
-        "published in 90 %", "white", "correlated", "lasting", "tau", "calibration",
+        "published in 90 %", "white", "correlated", "lasting", "tau", "calibration", "pull",
     ]);
     for c in &cells {
         table.add_row([
@@ -324,9 +331,10 @@ fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
             format!("{:.2}", c.shares.lasting),
             format!("{:.2} s", c.correlation_time_s),
             format!("{:.2}", c.calibration),
+            if c.is_pulled { "yes" } else { "no" }.to_owned(),
         ]);
     }
-    for column in 1..12 {
+    for column in 1..13 {
         if let Some(c) = table.column_mut(column) {
             c.set_cell_alignment(CellAlignment::Right);
         }

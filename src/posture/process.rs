@@ -18,7 +18,7 @@
 //! The kernel does not depend on `W`. The mean is then conditioned on the task like any other `z`.
 
 use super::inducing::sums;
-use super::kernel::{GpHyper, InputScale, Panels, cross_kernel, lower_kernel, reduced};
+use super::kernel::{GpHyper, InputScale, Panels, lower_kernel, reduced};
 use crate::math::dense::{Factor, product};
 use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;

@@ -11,7 +11,7 @@
 
 use super::dataset::{DataRow, Dataset, Fold};
 use super::methods::learn_laws;
-use super::rollout_check::{Bands, bands, calibrated_noise, pieces};
+use super::rollout_check::{Bands, bands, learn_walking, pieces};
 use super::settings::TrainSettings;
 use super::spread::learn_attraction;
 use super::toy5r::{
@@ -59,6 +59,8 @@ pub struct CalibrationCell {
     pub correlation_time_s: f64,
     /// Factor by which it was calibrated.
     pub calibration: f64,
+    /// Whether it pulls towards the postures of the training trajectories.
+    pub is_pulled: bool,
 }
 
 /// Runs the six cells. `tell` hears how many are done and returns false to stop.
@@ -100,8 +102,10 @@ fn cell(
     let Some(law) = laws.into_iter().next() else {
         return Err(InputError::new("experiment", "has no law"));
     };
-    let (found, calibration) = calibrated_noise(&dataset, &fold.train, &law, settings)?;
-    let attraction = learn_attraction(&dataset, &train, settings);
+    let walking = learn_walking(&dataset, &fold.train, &law, settings)?;
+    let (found, calibration) = (walking.noise, walking.calibration);
+    let attraction =
+        if walking.is_pulled { learn_attraction(&dataset, &train, settings) } else { None };
     let sampled = PostureLaw { attraction, noise: found.clone(), ..law.law.clone() };
     // The published sampler has no pull, and noise that is not calibrated.
     let plain = Noise { factor: &found.factor / calibration, ..found.clone() };
@@ -120,6 +124,7 @@ fn cell(
         shares: found.shares,
         correlation_time_s: found.correlation_time_s,
         calibration,
+        is_pulled: walking.is_pulled,
     })
 }
 

@@ -226,7 +226,7 @@ impl School<'_> {
         let (log_w, hypers) = match known {
             Some(known) => known,
             None => {
-                let found = process::identify(&self.few, log_w, self.settings, 1.0)?;
+                let found = process::identify(&self.few, log_w, self.settings)?;
                 (found.log_w, vec![found.hyper])
             }
         };
@@ -257,10 +257,7 @@ impl School<'_> {
         let free = if law.law.is_direct { 1.0 } else { (n - m) as f64 / n as f64 };
         let is_separate = settings.separate_kernels;
         if law.hypers.is_empty() || (is_separate && law.hypers.len() == 1) {
-            let temper = 1.0;
-            let of = |t: &DMatrix<f64>| {
-                process::kernel_parameters(&self.few, t, free, settings, temper)
-            };
+            let of = |t: &DMatrix<f64>| process::kernel_parameters(&self.few, t, free, settings);
             law.hypers = if is_separate {
                 (0..n).map(|c| of(&targets.columns(c, 1).into_owned())).collect()
             } else {
@@ -292,17 +289,6 @@ impl School<'_> {
             }
             _ => settings,
         }
-    }
-
-    fn temper(&self, log_w: &[f64]) -> Option<f64> {
-        Some(self.temper_of(&process::null_targets(&self.few, log_w)?))
-    }
-
-    /// Share of the few frames that are independent, by the correlation of their targets.
-    fn temper_of(&self, targets: &DMatrix<f64>) -> f64 {
-        let rows: Vec<DVector<f64>> = targets.row_iter().map(|r| r.transpose()).collect();
-        let Some((time, step)) = autocorrelation_time(&self.few, &rows) else { return 1.0 };
-        (step / (2.0 * time)).clamp(0.02, 1.0)
     }
 }
 

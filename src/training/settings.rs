@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Objective {
-    /// Marginal likelihood (the default).
+    /// Marginal likelihood.
     #[default]
     Marginal,
     /// Predictive likelihood of each sample from all others.
@@ -91,8 +91,9 @@ pub struct TrainSettings {
     pub attraction_noise: f64,
     /// Most training postures behind it.
     pub attraction_postures: usize,
-    /// What the search for weights maximises.
-    pub objective: Objective,
+    /// What the search for weights and kernels maximises; by default leave-trial-out where there are
+    /// at least three whole movements, else marginal likelihood.
+    pub objective: Option<Objective>,
     /// How it searches.
     pub optimiser: Optimiser,
     /// Whether kernel parameters are fitted anew to every weight that the search tries, as published
@@ -131,7 +132,7 @@ impl Default for TrainSettings {
             attraction_length: 2.0,
             attraction_noise: 0.05,
             attraction_postures: 120,
-            objective: Objective::Marginal,
+            objective: None,
             optimiser: Optimiser::Lbfgs,
             refits_kernel: false,
             lengths: Lengths::Groups,
@@ -149,6 +150,16 @@ impl Default for TrainSettings {
 }
 
 impl TrainSettings {
+    /// The objective for data of a number of whole movements.
+    ///
+    /// Frames of one movement share its noise. Marginal likelihood takes that for knowledge: on 20
+    /// trajectories of a 5R chain with correlated noise its bands are 1.6 to 3.6 times as wide as
+    /// needed once calibrated, those of leave-trial-out 1.1 to 1.3 times.
+    pub fn objective_for(&self, trials: usize) -> Objective {
+        let own = if trials >= 3 { Objective::LeaveTrialOut } else { Objective::Marginal };
+        self.objective.unwrap_or(own)
+    }
+
     /// # Errors
     /// Where a value is out of range.
     pub fn check(&self) -> Result<(), InputError> {

@@ -182,7 +182,7 @@ fn repeat(seed: u64, constants: &ToyConstants, methods: &[ToyMethod]) -> Result<
     };
     for line in methods {
         let settings = TrainSettings {
-            objective: line.objective,
+            objective: Some(line.objective),
             refits_kernel: line.is_published,
             lengths: if line.is_published { Lengths::Isotropic } else { Lengths::Groups },
             // The published pipeline bounds no noise.

@@ -9,7 +9,7 @@
 use super::dataset::{Dataset, Frame};
 use super::evaluate::{Judging, MethodScore, evaluate};
 use super::methods::{Law, learn_laws};
-use super::rollout_check::calibrated_noise;
+use super::rollout_check::{Walking, learn_walking};
 use super::settings::TrainSettings;
 use super::spread::{learn_attraction, learn_postures};
 use crate::files::InputError;
@@ -52,10 +52,11 @@ pub fn train(
     let stature_m = dataset.coupling.stature_m();
     let laws = learn_laws(&[method], &all, stature_m, settings, None)?;
     let law = laws.into_iter().next().ok_or_else(|| InputError::new(name, "has no law"))?;
-    let (noise, calibration) = calibrated_noise(dataset, &every, &law, settings)?;
+    let walking = learn_walking(dataset, &every, &law, settings)?;
+    let noise = &walking.noise;
     let mut provenance = provenance;
-    provenance.settings.extend(described(settings, &law, &noise, calibration));
-    provenance.notes.extend(notes(dataset, &law, settings));
+    provenance.settings.extend(described(settings, &law, &walking, dataset.trials));
+    provenance.notes.extend(notes(dataset, &law, &walking, settings));
     let postures = learn_postures(&all);
     let weight = symmetric(&rounded_matrix(&law.law.weight));
     Ok(PostureModel {
@@ -66,13 +67,17 @@ pub fn train(
         joints: dataset.joints.clone(),
         law: PostureLaw {
             weight,
-            attraction: learn_attraction(dataset, &all, settings),
+            attraction: if walking.is_pulled {
+                learn_attraction(dataset, &all, settings)
+            } else {
+                None
+            },
             noise: Noise {
                 factor: rounded_matrix(&noise.factor),
                 correlation_time_s: rounded(noise.correlation_time_s, DIGITS),
                 white_interval_s: rounded(noise.white_interval_s, DIGITS),
                 speed_rms_m_s: rounded(noise.speed_rms_m_s, DIGITS),
-                ..noise
+                ..noise.clone()
             },
             ..law.law
         },
@@ -112,22 +117,23 @@ fn quality(score: &MethodScore) -> MethodQuality {
 fn described(
     settings: &TrainSettings,
     law: &Law,
-    noise: &Noise,
-    calibration: f64,
+    walking: &Walking,
+    trials: usize,
 ) -> Vec<(String, String)> {
+    let Walking { noise, calibration, .. } = walking;
     let mut list = vec![("method", law.method.name().to_owned())];
     if let Some(a) = law.shrinkage {
         list.push(("shrinkage", a.to_string()));
         list.push(("diagonal_share", settings.diagonal_share.to_string()));
     }
-    if settings.has_attraction {
+    if walking.is_pulled {
         list.push(("attraction_rate_per_s", settings.attraction_rate_per_s.to_string()));
         list.push(("attraction_length", settings.attraction_length.to_string()));
         list.push(("attraction_noise", settings.attraction_noise.to_string()));
         list.push(("attraction_postures", settings.attraction_postures.to_string()));
     }
     if law.method == Method::MiNsgp {
-        list.push(("objective", settings.objective.name().to_owned()));
+        list.push(("objective", settings.objective_for(trials).name().to_owned()));
         list.push(("optimiser", settings.optimiser.name().to_owned()));
         list.push(("weight_prior_sd", settings.weight_prior_sd.to_string()));
     }
@@ -144,7 +150,12 @@ fn described(
     list.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
 }
 
-fn notes(dataset: &Dataset, law: &Law, settings: &TrainSettings) -> Vec<String> {
+fn notes(
+    dataset: &Dataset,
+    law: &Law,
+    walking: &Walking,
+    settings: &TrainSettings,
+) -> Vec<String> {
     let mut notes = vec![if dataset.trials > 1 {
         format!("judged on whole trials held out, {} in all", dataset.trials)
     } else {
@@ -152,6 +163,13 @@ fn notes(dataset: &Dataset, law: &Law, settings: &TrainSettings) -> Vec<String> 
          left out; what differs between repetitions is not known from one trial"
             .to_owned()
     }];
+    if let Some((free, pulled)) = walking.pull_error_deg {
+        let verdict = if walking.is_pulled { "it is used" } else { "it is left out" };
+        notes.push(format!(
+            "on held-out blocks the joint error along the path is {free:.2} deg without and \
+             {pulled:.2} deg with the pull towards the person's own postures: {verdict}"
+        ));
+    }
     for process in &law.law.processes {
         if process.is_inducing() {
             notes.push(format!(

@@ -33,7 +33,7 @@ pub fn with_kernel_search<R>(
         free_share: (n - m) as f64 / n as f64,
         floor: settings.noise_ratio_floor,
         lengths: settings.lengths,
-        objective: settings.objective,
+        objective: settings.objective_for(1),
         blocks: &block_numbers(frames),
         temper: 1.0,
     };
