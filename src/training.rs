@@ -54,7 +54,9 @@ pub use methods::{Law, WeightUncertainty, learn_laws};
 pub use methods::{with_kernel_search, with_weight_search};
 pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion};
 pub use noise_fit::learn_noise;
-pub use rollout_check::{Bands, RolloutScore, Walking, check_rollouts, learn_walking, path_error_deg};
+pub use rollout_check::{
+    Bands, RolloutScore, Walking, check_rollouts, learn_walking, path_error_deg,
+};
 pub use settings::{Lengths, Objective, Optimiser, TrainSettings};
 pub use simulated_movements::{Reach, SimulatedMovements};
 pub use size_experiment::{SizeExperiment, SizeQuestion, SizeRow, size_experiment};

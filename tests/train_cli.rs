@@ -76,7 +76,7 @@ fn the_shipped_model_loads_and_says_that_it_is_simulated() {
     assert!(model.provenance.simulated);
     assert_eq!(model.name, "demo operator (simulated)");
     assert_eq!(model.joints.len(), 24);
-    assert!(model.attraction.is_some() && model.noise.factor.ncols() > 3);
+    assert!(model.law.attraction.is_some() && model.law.noise.factor.ncols() > 3);
     let of = |name: &str| model.quality.iter().find(|q| q.method.name() == name).unwrap();
     assert!(of("full-w").relative_rmse < of("plain-ik").relative_rmse);
 }
@@ -93,7 +93,7 @@ fn json_is_for_machines() {
     assert_eq!(shown["quality"].as_array().unwrap().len(), 4);
     assert_eq!(shown["model"]["provenance"]["simulated"], true);
     let (loaded, _) = load_model(model.to_str().unwrap(), Path::new(".")).unwrap();
-    assert!(loaded.gp.is_some() && loaded.attraction.is_none());
+    assert!(!loaded.law.processes.is_empty() && loaded.law.attraction.is_none());
 }
 
 #[test]

@@ -113,10 +113,13 @@ impl std::str::FromStr for Split {
                 Ok(n) if (2..=100).contains(&n) => Ok(Self::Blocks(n)),
                 _ => Err("blocks:N needs a whole number from 2 to 100".to_owned()),
             },
-            Some(("time", share)) => match share.parse() {
-                Ok(share) if share > 0.0 && share < 1.0 => Ok(Self::Time(share)),
-                _ => Err("time:SHARE needs a number between 0 and 1, for example time:0.6".to_owned()),
-            },
+            Some(("time", share)) => {
+                match share.parse() {
+                    Ok(share) if share > 0.0 && share < 1.0 => Ok(Self::Time(share)),
+                    _ => Err("time:SHARE needs a number between 0 and 1, for example time:0.6"
+                        .to_owned()),
+                }
+            }
             _ => Err(suggest(text, ["train-column", "trials", "blocks:5", "time:0.6"])
                 .unwrap_or_else(help)),
         }
@@ -155,9 +158,11 @@ fn methods(names: &[String]) -> Result<Vec<Method>, InputError> {
     let one = |n: &String| by_name(n, &Method::ALL, Method::name);
     names
         .iter()
-        .map(|n| one(n).map_err(|help| {
-            InputError::new("--methods", format!("there is no method `{n}`")).remedy(help)
-        }))
+        .map(|n| {
+            one(n).map_err(|help| {
+                InputError::new("--methods", format!("there is no method `{n}`")).remedy(help)
+            })
+        })
         .collect()
 }
 
@@ -189,7 +194,9 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
             let done = judged.len() * judging.methods.len()
                 + whole.as_ref().map_or(0, |w| w.methods.len());
             if !progress.tell("judging methods", done, total) {
-                return Err(InputError::new("evaluate", "was interrupted; nothing is printed").into());
+                return Err(
+                    InputError::new("evaluate", "was interrupted; nothing is printed").into()
+                );
             }
             let own = Judging { methods: vec![*method], ..judging.clone() };
             let found = evaluate(&problem.dataset, &problem.folds, &own, &settings)?;
@@ -315,8 +322,9 @@ fn problem(
     let (folds, said) = match split {
         Split::TrainColumn => {
             let fold = train_column.ok_or_else(|| {
-                InputError::new(&name, "has no column `train`")
-                    .remedy("add it (1 trains, 0 tests), or choose --split trials|blocks:5|time:0.6")
+                InputError::new(&name, "has no column `train`").remedy(
+                    "add it (1 trains, 0 tests), or choose --split trials|blocks:5|time:0.6",
+                )
             })?;
             (vec![fold], "rows with train = 0".to_owned())
         }
@@ -478,7 +486,10 @@ fn print_text(problems: &[Problem], judged: &[Evaluation], merged: &[MethodScore
         );
     }
     let groups = merged.first().map_or(0, |s| s.groups.len());
-    say!("\nHeld-out rows, {} (median [5th, 95th percentile] over {groups}):", "by trajectory and split");
+    say!(
+        "\nHeld-out rows, {} (median [5th, 95th percentile] over {groups}):",
+        "by trajectory and split"
+    );
     say!("{}", figures(merged));
     if let Some(first) = judged.first() {
         let sd: Vec<String> = first.task_sd.iter().map(|s| format!("{s:.3e}")).collect();
@@ -557,8 +568,16 @@ fn align(table: &mut Table) {
 }
 
 fn figures(merged: &[MethodScore]) -> Table {
-    let header =
-        ["method", "LL qdot", "RMSE qdot", "relative", "LL xdot", "RMSE xdot", "training", "per row"];
+    let header = [
+        "method",
+        "LL qdot",
+        "RMSE qdot",
+        "relative",
+        "LL xdot",
+        "RMSE xdot",
+        "training",
+        "per row",
+    ];
     let mut table = table_of(&header);
     for s in merged {
         table.add_row([
@@ -578,8 +597,16 @@ fn figures(merged: &[MethodScore]) -> Table {
 
 fn walks(merged: &[MethodScore]) -> Table {
     let header = [
-        "method", "joint error", "with pull", "3 round trips", "with pull", "in 50 %", "in 90 %",
-        "at the end", "90 % width", "LL path",
+        "method",
+        "joint error",
+        "with pull",
+        "3 round trips",
+        "with pull",
+        "in 50 %",
+        "in 90 %",
+        "at the end",
+        "90 % width",
+        "LL path",
     ];
     let mut table = table_of(&header);
     for s in merged {

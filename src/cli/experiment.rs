@@ -9,7 +9,8 @@ use crate::report::{BoxPanel, box_plots};
 use crate::training::toy5r::ToyConstants;
 use crate::training::toy5r_paper::{PAPER_5R, open_constants};
 use crate::training::{
-    Objective, Percentiles, ToyResult, ToyScore, TrainSettings, run_calibration, run_toy, toy_methods,
+    Objective, Percentiles, ToyResult, ToyScore, TrainSettings, run_calibration, run_toy,
+    toy_methods,
 };
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
@@ -92,8 +93,8 @@ fn toy(args: &ToyArgs) -> Result<Outcome, Failure> {
         None => ToyConstants::default(),
     };
     if args.print_constants {
-        let text = toml::to_string(&constants)
-            .map_err(|e| InputError::new("constants", e.to_string()))?;
+        let text =
+            toml::to_string(&constants).map_err(|e| InputError::new("constants", e.to_string()))?;
         say!("{}", text.trim_end());
         return Ok(Outcome::Done);
     }
@@ -101,9 +102,8 @@ fn toy(args: &ToyArgs) -> Result<Outcome, Failure> {
     let progress = Progress::new();
     let one = |constants: &ToyConstants, stage: &'static str| -> Result<ToyResult, InputError> {
         let tell = |done: usize| progress.tell(stage, done, args.repeats as usize);
-        run_toy(constants, args.repeats, &methods, &tell)?.ok_or_else(|| {
-            InputError::new("experiment", "was interrupted; nothing is written")
-        })
+        run_toy(constants, args.repeats, &methods, &tell)?
+            .ok_or_else(|| InputError::new("experiment", "was interrupted; nothing is written"))
     };
     let result = one(&constants, "5R problems")?;
     let quiet = ToyConstants {
@@ -208,7 +208,11 @@ fn table(result: &ToyResult) -> Table {
             if errors.is_empty() {
                 "-".to_owned()
             } else {
-                format!("{:.3} (max {:.3})", Percentiles::of(&errors).median, errors.iter().fold(0.0f64, |m, e| m.max(*e)))
+                format!(
+                    "{:.3} (max {:.3})",
+                    Percentiles::of(&errors).median,
+                    errors.iter().fold(0.0f64, |m, e| m.max(*e))
+                )
             },
             format!("{:.2} s", mean(&scores.iter().map(|s| s.train_s).collect::<Vec<_>>())),
             paper.map_or_else(|| "-".to_owned(), |p| shown(of(p.ll_q), 2, 1.0)),
@@ -246,7 +250,9 @@ fn print_toy(result: &ToyResult, low: Option<&ToyResult>, folder: &Path, is_own:
             say!("{line}");
         }
     }
-    say!("\nConstants that the paper leaves open, and what was chosen (change them with --constants):");
+    say!(
+        "\nConstants that the paper leaves open, and what was chosen (change them with --constants):"
+    );
     for (what, choice) in open_constants() {
         say!("  {what}: {choice}");
     }
@@ -314,8 +320,19 @@ fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header([
-        "people differ by", "dt", "in 90 %", "in 50 %", "width/oracle", "oracle in 90 %",
-        "published in 90 %", "white", "correlated", "lasting", "tau", "calibration", "pull",
+        "people differ by",
+        "dt",
+        "in 90 %",
+        "in 50 %",
+        "width/oracle",
+        "oracle in 90 %",
+        "published in 90 %",
+        "white",
+        "correlated",
+        "lasting",
+        "tau",
+        "calibration",
+        "pull",
     ]);
     for c in &cells {
         table.add_row([
@@ -339,7 +356,10 @@ fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
             c.set_cell_alignment(CellAlignment::Right);
         }
     }
-    say!("5R chain, 20 trajectories train, 50 others test, 200 rollouts each; seed {}\n", args.seed);
+    say!(
+        "5R chain, 20 trajectories train, 50 others test, 200 rollouts each; seed {}\n",
+        args.seed
+    );
     say!("{table}");
     say!(
         "  One sampler for all cells, not told which. In 90 %: share of joint angles of the test \

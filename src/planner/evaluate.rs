@@ -89,7 +89,8 @@ impl<'a> Person<'a> {
     /// `count` people along a path. The same (seed, block) means the same people on every path.
     pub(super) fn walk(&self, path: &TimedPath, (seed, block): (u64, u32), count: usize) -> Walks {
         let model = &self.scenario.worker.model;
-        let hand = HandPath::new(&self.coupling, &model.law, path.time_s.clone(), self.targets(path));
+        let hand =
+            HandPath::new(&self.coupling, &model.law, path.time_s.clone(), self.targets(path));
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
         let starts = start_postures(
             &self.coupling,

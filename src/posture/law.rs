@@ -158,7 +158,8 @@ impl PostureLaw {
             let gain = seen.cholesky()?.solve(&across.transpose()).transpose();
             let mean = &z + &gain * (at.xdot - at.jacobian * &z);
             let covariance = &weight - &gain * across.transpose();
-            let covariance = symmetric(&covariance) + null_projector(at.jacobian)? * floors.null_rad_s.powi(2);
+            let covariance =
+                symmetric(&covariance) + null_projector(at.jacobian)? * floors.null_rad_s.powi(2);
             return Some(Prediction { mean, covariance });
         }
         let z = self.preferred(at.q, at.xdot) + pull;
@@ -269,7 +270,13 @@ impl<'a> Sampler<'a> {
 impl Person<'_> {
     /// Preferred velocity of this person without the pull, n, rad/s: part of the way from sample
     /// `index` of the path to the next.
-    pub(super) fn preferred(&self, law: &PostureLaw, at: &Query, index: usize, part: f64) -> DVector<f64> {
+    pub(super) fn preferred(
+        &self,
+        law: &PostureLaw,
+        at: &Query,
+        index: usize,
+        part: f64,
+    ) -> DVector<f64> {
         let mut z = if self.functions.is_empty() {
             law.preferred(at.q, at.xdot)
         } else {

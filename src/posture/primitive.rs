@@ -26,7 +26,8 @@ impl Primitive {
     pub fn at(&self, phase: f64) -> (DVector<f64>, DMatrix<f64>) {
         let psi = basis(self.root.len(), phase);
         let mean = self.mean.tr_mul(&psi);
-        let mut root = DMatrix::zeros(self.noise.nrows(), self.root.first().map_or(0, DMatrix::ncols));
+        let mut root =
+            DMatrix::zeros(self.noise.nrows(), self.root.first().map_or(0, DMatrix::ncols));
         for (p, block) in psi.iter().zip(&self.root) {
             root += block * *p;
         }

@@ -342,17 +342,20 @@ impl FunctionDraw {
 
     fn add_prior(&self, x: &[f64], out: &mut [f64]) {
         let n = out.len();
-        wide(#[inline(always)] || {
-            let waves = self.waves(x);
-            for (rows, w) in self.weights.chunks_exact(4 * n).zip(waves.chunks_exact(4)) {
-                let (a, b) = rows.split_at(2 * n);
-                let ((a, b), (c, d)) = (a.split_at(n), b.split_at(n));
-                let terms = a.iter().zip(b).zip(c.iter().zip(d));
-                for (o, ((a, b), (c, d))) in out.iter_mut().zip(terms) {
-                    *o += w[0].mul_add(*a, w[1] * b) + w[2].mul_add(*c, w[3] * d);
+        wide(
+            #[inline(always)]
+            || {
+                let waves = self.waves(x);
+                for (rows, w) in self.weights.chunks_exact(4 * n).zip(waves.chunks_exact(4)) {
+                    let (a, b) = rows.split_at(2 * n);
+                    let ((a, b), (c, d)) = (a.split_at(n), b.split_at(n));
+                    let terms = a.iter().zip(b).zip(c.iter().zip(d));
+                    for (o, ((a, b), (c, d))) in out.iter_mut().zip(terms) {
+                        *o += w[0].mul_add(*a, w[1] * b) + w[2].mul_add(*c, w[3] * d);
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 
     /// Features at reduced rows, N x 2 FEATURES.
@@ -361,7 +364,10 @@ impl FunctionDraw {
         let mut x = vec![0.0; rows.ncols()];
         for (i, mut column) in out.column_iter_mut().enumerate() {
             x.iter_mut().zip(rows.row(i).iter()).for_each(|(x, v)| *x = *v);
-            column.copy_from_slice(&wide(#[inline(always)] || self.waves(&x)));
+            column.copy_from_slice(&wide(
+                #[inline(always)]
+                || self.waves(&x),
+            ));
         }
         out.transpose()
     }
@@ -394,7 +400,12 @@ mod tests {
     const HYPER: GpHyper = GpHyper { length_posture: 0.8, length_velocity: 1.5, noise_ratio: 0.2 };
 
     /// Means and open share at a reduced input by an explicit inverse.
-    fn naive(scale: &InputScale, rows: &DMatrix<f64>, s: &DMatrix<f64>, x: &[f64]) -> (Vec<f64>, f64) {
+    fn naive(
+        scale: &InputScale,
+        rows: &DMatrix<f64>,
+        s: &DMatrix<f64>,
+        x: &[f64],
+    ) -> (Vec<f64>, f64) {
         let r = reduced(rows, &scale.reduction(&HYPER));
         let k = |a: &[f64], b: &[f64]| -> f64 {
             (-0.5 * a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>()).exp()
@@ -438,9 +449,11 @@ mod tests {
         // At a sample, between samples, and far away; exact and inducing.
         let (scale, rows, s) = data(40);
         let outputs = vec![0, 1, 2, 3];
-        let factor = DMatrix::from_fn(4, 2, |i, j| 0.1 * (1.0 + i as f64) * if j == 0 { 1.0 } else { -0.5 });
+        let factor =
+            DMatrix::from_fn(4, 2, |i, j| 0.1 * (1.0 + i as f64) * if j == 0 { 1.0 } else { -0.5 });
         let noise = &factor * factor.transpose();
-        let exact = Process::exact(HYPER, scale.clone(), rows.clone(), outputs.clone(), &s).unwrap();
+        let exact =
+            Process::exact(HYPER, scale.clone(), rows.clone(), outputs.clone(), &s).unwrap();
         let half = rows.rows(0, 20).into_owned();
         let inducing = Process::inducing(HYPER, scale, &rows, outputs, &s, half).unwrap();
         for gp in [exact, inducing] {
@@ -461,10 +474,12 @@ mod tests {
             }
             for (x, list) in points.iter().zip(&values) {
                 let mean = list.iter().fold(DVector::zeros(4), |a, b| a + b) / f64::from(DRAWS);
-                let cov = list.iter().fold(DMatrix::zeros(4, 4), |a, v| {
-                    a + (v - &mean) * (v - &mean).transpose()
-                }) / f64::from(DRAWS);
-                let expected = &noise * (posterior.open_shares(&[x.clone()])[0] / HYPER.noise_ratio);
+                let cov = list
+                    .iter()
+                    .fold(DMatrix::zeros(4, 4), |a, v| a + (v - &mean) * (v - &mean).transpose())
+                    / f64::from(DRAWS);
+                let expected =
+                    &noise * (posterior.open_shares(&[x.clone()])[0] / HYPER.noise_ratio);
                 let sd = (expected[(3, 3)] / f64::from(DRAWS)).sqrt();
                 assert!((mean[3] - gp.mean(x)[3]).abs() < 4.0 * sd + 1e-9, "mean {mean}");
                 let error = (&cov - &expected).norm() / expected.norm();

@@ -7,8 +7,8 @@
 
 use super::attraction::Attraction;
 use super::coupling::{Coupling, Hold};
-use super::model::{Method, PostureDistribution, PostureModel, Provenance};
 use super::law::PostureLaw;
+use super::model::{Method, PostureDistribution, PostureModel, Provenance};
 use super::noise::Noise;
 use super::start::{StartRule, start_postures};
 use crate::files::InputError;

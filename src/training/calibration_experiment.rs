@@ -114,7 +114,8 @@ fn cell(
     let paths = pieces(&test);
     let seed = settings.seed;
     let (own, _) = bands(&dataset, &sampled, &paths, ROLLOUTS, (seed, Sampling::Pathwise))?;
-    let (independent, _) = bands(&dataset, &published, &paths, ROLLOUTS, (seed, Sampling::Independent))?;
+    let (independent, _) =
+        bands(&dataset, &published, &paths, ROLLOUTS, (seed, Sampling::Independent))?;
     Ok(CalibrationCell {
         truth: name,
         dt_s: dt,
@@ -130,8 +131,8 @@ fn cell(
 
 fn dataset(constants: &ToyConstants, movements: &[ToyTrajectory]) -> Result<Dataset, InputError> {
     let model = parse_urdf(Path::new("5R"), &planar_urdf(constants))?;
-    let chain = Linkage::chain(&model, BASE, TIP)
-        .map_err(|e| InputError::new("5R", e.to_string()))?;
+    let chain =
+        Linkage::chain(&model, BASE, TIP).map_err(|e| InputError::new("5R", e.to_string()))?;
     let rows: Vec<DataRow> = movements
         .iter()
         .enumerate()

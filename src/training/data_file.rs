@@ -74,7 +74,8 @@ pub fn read_data(
     };
     for (group, found) in [("q", columns_q), ("qdot", columns_v)] {
         if found != n {
-            let message = format!("has {found} columns {group}0, {group}1, ...; the chain has {n} joints");
+            let message =
+                format!("has {found} columns {group}0, {group}1, ...; the chain has {n} joints");
             return Err(InputError::new(path, message)
                 .remedy("give the chain of the data: --chain FILE.urdf:BASE:TIP"));
         }
@@ -95,11 +96,20 @@ pub fn read_data(
             known.push(*trial);
             known.len() - 1
         });
-        rows.push(DataRow { q: pick(&iq), xdot: pick(&ix), qdot: pick(&iv), trial: id, time_s: 0.0 });
+        rows.push(DataRow {
+            q: pick(&iq),
+            xdot: pick(&ix),
+            qdot: pick(&iv),
+            trial: id,
+            time_s: 0.0,
+        });
     }
     for (line, row) in rows.iter().enumerate() {
-        if let Some((joint, q)) = row.q.iter().enumerate().find(|(_, q)| q.abs() > LARGEST_ANGLE_RAD) {
-            let message = format!("row {}, column `q{joint}`: {q} is no joint angle in rad", line + 1);
+        if let Some((joint, q)) =
+            row.q.iter().enumerate().find(|(_, q)| q.abs() > LARGEST_ANGLE_RAD)
+        {
+            let message =
+                format!("row {}, column `q{joint}`: {q} is no joint angle in rad", line + 1);
             return Err(InputError::new(path, message).remedy("convert degrees to radians"));
         }
     }
@@ -118,9 +128,8 @@ fn refuse_unknown(path: &Path, table: &NumericTable, n: usize, m: usize) -> Resu
         known.extend((0..count).map(|i| format!("{group}{i}")));
     }
     let Some(stranger) = table.columns.iter().find(|c| !known.contains(c)) else { return Ok(()) };
-    let help = suggest(stranger, known.iter().map(String::as_str)).unwrap_or_else(|| {
-        "columns are q0.., xdot0.., qdot0.., train, traj and time_s".to_owned()
-    });
+    let help = suggest(stranger, known.iter().map(String::as_str))
+        .unwrap_or_else(|| "columns are q0.., xdot0.., qdot0.., train, traj and time_s".to_owned());
     Err(InputError::new(path, format!("column `{stranger}` is unknown")).remedy(help))
 }
 

@@ -163,11 +163,7 @@ impl Dataset {
     ///
     /// # Errors
     /// Where there are too few rows, or nothing moves.
-    pub fn of_rows(
-        source: &str,
-        rows: &[DataRow],
-        coupling: Coupling,
-    ) -> Result<Self, InputError> {
+    pub fn of_rows(source: &str, rows: &[DataRow], coupling: Coupling) -> Result<Self, InputError> {
         let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
         if rows.len() < FEWEST_ROWS {
             let message = format!("holds only {} rows", rows.len());
@@ -250,7 +246,9 @@ impl Dataset {
                     .remedy("judge them one by one"));
             }
             let shift = whole.trials;
-            whole.frames.extend(part.frames.into_iter().map(|f| Frame { trial: f.trial + shift, ..f }));
+            whole
+                .frames
+                .extend(part.frames.into_iter().map(|f| Frame { trial: f.trial + shift, ..f }));
             whole.trials += part.trials;
         }
         set_demonstrations(&mut whole.frames);

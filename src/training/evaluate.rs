@@ -183,7 +183,8 @@ fn judge(
     settings: &TrainSettings,
     floors: &Floors,
 ) -> Result<(), InputError> {
-    let own = if score.method == Method::Promp { whole_demonstrations(dataset, fold) } else { None };
+    let own =
+        if score.method == Method::Promp { whole_demonstrations(dataset, fold) } else { None };
     if own.is_some() {
         score.note = Some(
             "rows of a single trajectory train and test in turn: promp is judged on whole stretches \
@@ -338,7 +339,8 @@ mod tests {
         let full = &v * &inside * v.transpose() + &pinv * pinv.transpose() * 1e-8;
         let jjt = &frame.jacobian * frame.jacobian.transpose();
         let task = log_normal(&DVector::zeros(6), DMatrix::identity(6, 6) * 1e-8);
-        let split = log_normal(&v.tr_mul(&residual), inside.clone()) + 0.5 * jjt.determinant().ln() + task;
+        let split =
+            log_normal(&v.tr_mul(&residual), inside.clone()) + 0.5 * jjt.determinant().ln() + task;
         assert_relative_eq!(log_normal(&residual, full.clone()), split, epsilon = 1e-4);
         // With a mismatch J r = d the left side gains log N(d; 0, S_x) - log N(0; 0, S_x).
         let d = DVector::from_element(6, 2e-4);

@@ -109,7 +109,9 @@ pub fn learn_laws(
         settings,
         before,
     };
-    let searched = |m: &&Method| m.identifies_weights() && (school.old(**m).is_none() || **m != Method::MiNsgp);
+    let searched = |m: &&Method| {
+        m.identifies_weights() && (school.old(**m).is_none() || **m != Method::MiNsgp)
+    };
     let log_w = if methods.iter().any(|m| searched(&m)) {
         let warm = before.and_then(|laws| {
             let simple = laws.iter().filter(|l| l.method != Method::MiNsgp);
@@ -220,9 +222,7 @@ impl School<'_> {
     /// MI-NsGP: weights and kernel searched together, or those known before.
     fn identified(&self, log_w: &[f64]) -> Option<Law> {
         let method = Method::MiNsgp;
-        let known = self
-            .old(method)
-            .and_then(|l| Some((l.log_weights.clone()?, l.hypers.clone())));
+        let known = self.old(method).and_then(|l| Some((l.log_weights.clone()?, l.hypers.clone())));
         let (log_w, hypers) = match known {
             Some(known) => known,
             None => {

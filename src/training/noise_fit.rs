@@ -24,7 +24,7 @@ const SMALLEST_VARIANCE: f64 = 1e-3;
 const SHRINKAGE: f64 = 0.05;
 /// Frames and passes of the expectation maximisation.
 const FRAMES: usize = 400;
-const PASSES: usize = 10;
+const PASSES: usize = 15;
 /// Longest lag of the autocorrelation, s, and as a part of the longest movement.
 const LONGEST_LAG_S: f64 = 3.0;
 const LONGEST_LAG_PART: f64 = 0.6;
@@ -152,7 +152,10 @@ fn factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// Pooled autocorrelation of rows at frames: (lag in steps, correlation, pairs), not centred, so
 /// that what lasts a whole movement shows at every lag; and the time step, s.
-fn autocorrelation(frames: &[&Frame], rows: &[DVector<f64>]) -> Option<(Vec<(usize, f64, f64)>, f64)> {
+fn autocorrelation(
+    frames: &[&Frame],
+    rows: &[DVector<f64>],
+) -> Option<(Vec<(usize, f64, f64)>, f64)> {
     let mut trials: BTreeMap<usize, BTreeMap<usize, usize>> = BTreeMap::new();
     for (i, f) in frames.iter().enumerate() {
         trials.entry(f.trial).or_default().insert(f.index, i);
@@ -285,8 +288,9 @@ mod tests {
     #[test]
     fn known_noise_is_found_again() {
         // Seen only through the null space, with a speed gain and all three parts in time.
-        let data = made_up(12, 30.0, 30.0);
-        let moment = DMatrix::from_fn(24, 24, |i, j| if i == j { 1.0 + 0.1 * i as f64 } else { 0.0 });
+        let data = made_up(60, 8.0, 30.0);
+        let moment =
+            DMatrix::from_fn(24, 24, |i, j| if i == j { 1.0 + 0.1 * i as f64 } else { 0.0 });
         let law = PostureLaw::of_weight(moment, 1.6, 6);
         let frames: Vec<&Frame> = data.frames.iter().collect();
         let squares: f64 = frames.iter().map(|f| speed_squared(f.xdot.as_slice())).sum();

@@ -107,7 +107,8 @@ pub fn check_rollouts(
     }
     let mut sampled = if walking.is_pulled { pulled.clone() } else { free.clone() };
     sampled.noise = noise;
-    let (bands, reach_exceeded_share) = bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
+    let (bands, reach_exceeded_share) =
+        bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
     Ok(RolloutScore {
         path_error_deg: path_error_deg(dataset, &free, &test),
         pulled_path_error_deg: path_error_deg(dataset, &pulled, &test),
@@ -123,7 +124,11 @@ pub fn check_rollouts(
 /// Uninterrupted paths of a length that a band makes sense for.
 pub(super) fn pieces<'a>(frames: &[&'a Frame]) -> Vec<Vec<&'a Frame>> {
     let all = runs(frames);
-    all.iter().flat_map(|run| run.chunks(LONGEST_RUN)).filter(|p| p.len() > 2).map(<[_]>::to_vec).collect()
+    all.iter()
+        .flat_map(|run| run.chunks(LONGEST_RUN))
+        .filter(|p| p.len() > 2)
+        .map(<[_]>::to_vec)
+        .collect()
 }
 
 /// How a law walks: its noise, calibrated, and whether the pull helps it.
@@ -238,11 +243,12 @@ fn drift_deg(dataset: &Dataset, law: &PostureLaw, paths: &[Vec<&Frame>]) -> f64 
         .map(|run| {
             let there: Vec<&Frame> = run.clone();
             let back: Vec<&Frame> = run.iter().rev().skip(1).copied().collect();
-            let trips: Vec<&Frame> =
-                (0..3).flat_map(|trip| {
+            let trips: Vec<&Frame> = (0..3)
+                .flat_map(|trip| {
                     let skip = usize::from(trip > 0);
                     there.iter().skip(skip).chain(&back).copied().collect::<Vec<_>>()
-                }).collect();
+                })
+                .collect();
             let step = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
             let time: Vec<f64> = (0..trips.len()).map(|i| step * i as f64).collect();
             let hands: Vec<Pose> = trips.iter().map(|f| f.hand).collect();
@@ -342,7 +348,8 @@ fn trajectory_ll(
                 roots.push(root);
                 continue;
             }
-            let weight = law.primitive.as_ref().map_or_else(|| law.weight.clone(), |p| p.at(frame.phase).1);
+            let weight =
+                law.primitive.as_ref().map_or_else(|| law.weight.clone(), |p| p.at(frame.phase).1);
             let pinv = weighted_pseudo_inverse(&frame.jacobian, &weight).ok_or_else(singular)?;
             let vt = null_space_basis(&frame.jacobian).transpose();
             residuals.rows_mut(t * k, k).copy_from(&(&vt * left));

@@ -110,8 +110,8 @@ pub fn toy_methods(is_published: bool) -> Vec<ToyMethod> {
 /// Where the constants make no chain.
 pub fn toy_dataset(problem: &ToyProblem) -> Result<(Dataset, Fold), InputError> {
     let model = parse_urdf(Path::new("5R"), &planar_urdf(&problem.constants))?;
-    let chain = Linkage::chain(&model, BASE, TIP)
-        .map_err(|e| InputError::new("5R", e.to_string()))?;
+    let chain =
+        Linkage::chain(&model, BASE, TIP).map_err(|e| InputError::new("5R", e.to_string()))?;
     let rows: Vec<DataRow> = (0..problem.q.len())
         .map(|i| DataRow {
             q: problem.q[i].to_vec(),
@@ -122,9 +122,8 @@ pub fn toy_dataset(problem: &ToyProblem) -> Result<(Dataset, Fold), InputError> 
         })
         .collect();
     let dataset = Dataset::of_rows("5R", &rows, Coupling::of_chain(chain, Hold::Planar))?;
-    let pick = |wanted: bool| {
-        (0..rows.len()).filter(|&i| problem.train[i] == wanted).collect::<Vec<_>>()
-    };
+    let pick =
+        |wanted: bool| (0..rows.len()).filter(|&i| problem.train[i] == wanted).collect::<Vec<_>>();
     Ok((dataset, Fold { train: pick(true), test: pick(false) }))
 }
 
@@ -153,9 +152,8 @@ pub fn run_toy(
         })
         .collect();
     let Some(all) = all?.into_iter().collect::<Option<Vec<Repeat>>>() else { return Ok(None) };
-    let scores = (0..methods.len())
-        .map(|m| all.iter().map(|r| r.scores[m].clone()).collect())
-        .collect();
+    let scores =
+        (0..methods.len()).map(|m| all.iter().map(|r| r.scores[m].clone()).collect()).collect();
     Ok(Some(ToyResult {
         constants: constants.clone(),
         methods: methods.to_vec(),
@@ -171,7 +169,11 @@ struct Repeat {
     identity_error: f64,
 }
 
-fn repeat(seed: u64, constants: &ToyConstants, methods: &[ToyMethod]) -> Result<Repeat, InputError> {
+fn repeat(
+    seed: u64,
+    constants: &ToyConstants,
+    methods: &[ToyMethod],
+) -> Result<Repeat, InputError> {
     let problem = generate(seed, constants)?;
     let (dataset, fold) = toy_dataset(&problem)?;
     let truth: Vec<f64> = problem.w_true.iter().map(|w| w.ln()).collect();

@@ -150,12 +150,7 @@ fn described(
     list.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
 }
 
-fn notes(
-    dataset: &Dataset,
-    law: &Law,
-    walking: &Walking,
-    settings: &TrainSettings,
-) -> Vec<String> {
+fn notes(dataset: &Dataset, law: &Law, walking: &Walking, settings: &TrainSettings) -> Vec<String> {
     let mut notes = vec![if dataset.trials > 1 {
         format!("judged on whole trials held out, {} in all", dataset.trials)
     } else {

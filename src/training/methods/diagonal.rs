@@ -57,7 +57,9 @@ pub(super) fn least_squares(
         (vec![vec![0.0; n], moment], ITERATIONS)
     };
     let samples = Samples::new(frames);
-    let found = starts.iter().map(|s| descend(&|x: &[f64]| objective(&samples, x), s, iterations, TOLERANCE));
+    let found = starts
+        .iter()
+        .map(|s| descend(&|x: &[f64]| objective(&samples, x), s, iterations, TOLERANCE));
     let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
     tidy(best.map_or_else(|| vec![0.0; n], |(x, _)| x))
 }
@@ -67,9 +69,9 @@ pub(super) mod tests {
     use super::*;
     use crate::math::redundancy::{resolve, weighted_pseudo_inverse};
     use crate::math::stream::{Purpose, normals, stream};
-    use nalgebra::DVector;
     use crate::training::dataset::Dataset;
     use crate::training::dataset::tests::made_up;
+    use nalgebra::DVector;
 
     /// Frames of a person with known weights and preferred velocity z(q, draw).
     pub(in crate::training::methods) fn planted(

@@ -148,7 +148,8 @@ mod tests {
         let inner = k.select_rows(kept).select_columns(kept).try_inverse().unwrap();
         let cross = k.select_rows(left).select_columns(kept);
         let mean = &cross * &inner * r.select_rows(kept);
-        let covariance = k.select_rows(left).select_columns(left) - &cross * &inner * cross.transpose();
+        let covariance =
+            k.select_rows(left).select_columns(left) - &cross * &inner * cross.transpose();
         let (mut square, mut logs) = (0.0, 0.0);
         for (i, &t) in left.iter().enumerate() {
             square += (r[(t, 0)] - mean[(i, 0)]).powi(2) / covariance[(i, i)];

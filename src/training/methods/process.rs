@@ -167,7 +167,12 @@ fn inverse_kernel(inputs: &Inputs, hyper: &GpHyper) -> Option<DMatrix<f64>> {
 
 type Forms = (DMatrix<f64>, Option<DMatrix<f64>>);
 
-fn forms(inputs: &Inputs, hyper: &GpHyper, objective: Objective, blocks: &[usize]) -> Option<Forms> {
+fn forms(
+    inputs: &Inputs,
+    hyper: &GpHyper,
+    objective: Objective,
+    blocks: &[usize],
+) -> Option<Forms> {
     let inverse = inverse_kernel(inputs, hyper)?;
     let (form, _) = quadratic_form(objective, &inverse, hyper.noise_ratio, blocks)?;
     Some((form, (objective == Objective::InSample).then_some(inverse)))
@@ -226,7 +231,14 @@ pub(super) fn kernel_parameters(
     let scales = scales(&targets);
     let inputs = Inputs::new(&few);
     let blocks = block_numbers(&few);
-    search_hyper(&inputs, &divided(targets, &scales), free_share, (settings.objective_for(trial_count(&few)), &blocks), settings, None)
+    search_hyper(
+        &inputs,
+        &divided(targets, &scales),
+        free_share,
+        (settings.objective_for(trial_count(&few)), &blocks),
+        settings,
+        None,
+    )
 }
 
 /// The process for given kernel parameters and targets (N x n, rad/s): exact, or on inducing centres
@@ -254,7 +266,11 @@ pub(super) fn null_targets(frames: &[&Frame], log_w: &[f64]) -> Option<DMatrix<f
 
 /// The objective of the settings at given log weights, kernel parameters fitted to them, as a mean
 /// log-likelihood per sample (nats, n-component form times k / n, without the prior on w).
-pub(super) fn objective_at(frames: &[&Frame], log_w: &[f64], settings: &TrainSettings) -> Option<f64> {
+pub(super) fn objective_at(
+    frames: &[&Frame],
+    log_w: &[f64],
+    settings: &TrainSettings,
+) -> Option<f64> {
     let samples = Samples::new(frames);
     let weights: Vec<f64> = log_w.iter().map(|l| l.exp()).collect();
     let targets = samples.resolve(&weights)?.residuals(&weights);
