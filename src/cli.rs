@@ -22,6 +22,7 @@ macro_rules! complain {
 mod batch;
 mod body;
 mod evaluate;
+mod evaluate_print;
 mod experiment;
 mod experiment_size;
 mod inspect;

@@ -1,5 +1,6 @@
 //! `ergopath evaluate`: how well each method predicts held-out rows of a data file or a recording.
 
+use super::evaluate_print::{as_json, print_text};
 use super::progress::Progress;
 use super::train::{Wanted, parse_side, source};
 use super::{Failure, Outcome};
@@ -8,15 +9,14 @@ use crate::human::{Body, Side};
 use crate::kinematics::{Linkage, read_urdf};
 use crate::posture::{Hold, Method, Sampling};
 use crate::training::{
-    DataFile, Dataset, Evaluation, Fold, GroupScore, Judging, Lengths, MethodScore, Objective,
-    Optimiser, Percentiles, TrainSettings, Trial, evaluate, read_data,
+    DataFile, Dataset, Evaluation, Fold, Judging, Lengths, MethodScore, Objective, Optimiser,
+    TrainSettings, Trial, evaluate, read_data,
 };
-use comfy_table::{CellAlignment, Table, presets};
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub(super) struct Args {
     /// Data files (CSV with columns q0.., xdot0.., qdot0.., train, traj; SI and radians) with --chain; or
     /// recordings with --body.
@@ -81,7 +81,7 @@ pub(super) struct Args {
     /// Draw people as published: a fresh joint velocity at each sample, not calibrated.
     #[arg(long)]
     independent: bool,
-    /// Rows per second of files without time_s; by default found from q and qdot.
+    /// Rows per second of files without `time_s`; by default found from q and qdot.
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
     /// Seed of everything random.
@@ -167,12 +167,12 @@ fn methods(names: &[String]) -> Result<Vec<Method>, InputError> {
 }
 
 /// One data set with the splits on which it is judged.
-struct Problem {
-    name: String,
-    dataset: Dataset,
+pub(super) struct Problem {
+    pub name: String,
+    pub dataset: Dataset,
     folds: Vec<Fold>,
-    split: String,
-    step: Option<(f64, &'static str)>,
+    pub split: String,
+    pub step: Option<(f64, &'static str)>,
 }
 
 /// Judges and prints.
@@ -212,7 +212,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     if args.json {
         say!("{}", as_json(&problems, &judged, &merged));
     } else {
-        print_text(&problems, &judged, &merged, args);
+        print_text(&problems, &judged, &merged, args.rollout);
     }
     Ok(Outcome::Done)
 }
@@ -399,235 +399,4 @@ fn merged(judged: &[Evaluation]) -> Vec<MethodScore> {
         score.predict_s /= judged.len().max(1) as f64;
     }
     whole
-}
-
-/// Geometric mean of weights over splits and files, scaled to mean 1.
-fn weights(score: &MethodScore) -> Option<Vec<f64>> {
-    let n = score.weights.first()?.len();
-    let count = score.weights.len() as f64;
-    let mean = |i: usize| score.weights.iter().map(|w| w[i].ln()).sum::<f64>() / count;
-    let w: Vec<f64> = (0..n).map(|i| mean(i).exp()).collect();
-    let scale = w.iter().sum::<f64>() / n as f64;
-    Some(w.into_iter().map(|v| v / scale).collect())
-}
-
-fn as_json(problems: &[Problem], judged: &[Evaluation], merged: &[MethodScore]) -> Value {
-    let figure = |s: &MethodScore, pick: fn(&GroupScore) -> f64| json!(s.spread(pick));
-    let methods: Vec<Value> = merged
-        .iter()
-        .map(|s| {
-            let walk = |pick: fn(&crate::training::RolloutScore) -> f64| {
-                json!(Percentiles::of(&s.rollouts.iter().map(pick).collect::<Vec<_>>()))
-            };
-            let rollout = (!s.rollouts.is_empty()).then(|| {
-                json!({
-                    "path_error_deg": walk(|r| r.path_error_deg),
-                    "pulled_path_error_deg": walk(|r| r.pulled_path_error_deg),
-                    "drift_deg": walk(|r| r.drift_deg.0),
-                    "pulled_drift_deg": walk(|r| r.drift_deg.1),
-                    "coverage_50": walk(|r| r.bands.coverage_50),
-                    "coverage_90": walk(|r| r.bands.coverage_90),
-                    "end_coverage_90": walk(|r| r.bands.end_coverage_90),
-                    "width_90_deg": walk(|r| r.bands.width_90_deg),
-                    "trajectory_ll": walk(|r| r.trajectory_ll),
-                    "calibration": walk(|r| r.calibration),
-                    "reach_exceeded_share": walk(|r| r.reach_exceeded_share),
-                })
-            });
-            json!({
-                "method": s.method.name(),
-                "ll_q": figure(s, |g| g.ll_q),
-                "rmse_q": figure(s, |g| g.rmse_q),
-                "relative_rmse_q": figure(s, |g| g.relative_rmse_q),
-                "ll_null": figure(s, |g| g.ll_null),
-                "ll_x": figure(s, |g| g.ll_x),
-                "rmse_x": figure(s, |g| g.rmse_x),
-                "w": weights(s),
-                "w_uncertainty": s.uncertainty,
-                "rollout": rollout,
-                "train_s": s.train_s,
-                "predict_s": s.predict_s,
-                "note": s.note,
-            })
-        })
-        .collect();
-    let sets: Vec<Value> = problems
-        .iter()
-        .map(|p| {
-            json!({
-                "source": p.name,
-                "rows": p.dataset.frames.len(),
-                "trajectories": p.dataset.trials,
-                "joints": p.dataset.joints,
-                "split": p.split,
-                "step_s": p.step.map(|s| s.0),
-                "step_known": p.step.map(|s| s.1),
-            })
-        })
-        .collect();
-    json!({
-        "methods": methods,
-        "data": sets,
-        "task_sd": judged.first().map(|j| j.task_sd.clone()),
-        "null_floor_rad_s": judged.first().map(|j| j.null_floor_rad_s),
-    })
-}
-
-fn print_text(problems: &[Problem], judged: &[Evaluation], merged: &[MethodScore], args: &Args) {
-    for p in problems {
-        let step = p.step.map_or_else(String::new, |(s, how)| format!(", step {s:.4} s ({how})"));
-        say!(
-            "{}: {} rows, {} joints, {} trajectories{step}; held out: {}",
-            p.name,
-            p.dataset.frames.len(),
-            p.dataset.joints.len(),
-            p.dataset.trials,
-            p.split
-        );
-    }
-    let groups = merged.first().map_or(0, |s| s.groups.len());
-    say!(
-        "\nHeld-out rows, {} (median [5th, 95th percentile] over {groups}):",
-        "by trajectory and split"
-    );
-    say!("{}", figures(merged));
-    if let Some(first) = judged.first() {
-        let sd: Vec<String> = first.task_sd.iter().map(|s| format!("{s:.3e}")).collect();
-        say!(
-            "  LL: mean log-likelihood, nats per row ((rad/s)^-n, (m/s)^-m); RMSE in rad/s and m/s; \
-             relative: over the rms of\n  the joint velocity. S_x = diag({})^2; floor of the null \
-             directions {} rad/s. Compare LL only at equal floors.",
-            sd.join(", "),
-            first.null_floor_rad_s
-        );
-    }
-    for s in merged.iter().filter(|s| s.note.is_some()) {
-        say!("  {}: {}.", s.method.name(), s.note.as_deref().unwrap_or_default());
-    }
-    if args.rollout {
-        say!("\nRollouts along held-out paths, from the true first posture:");
-        say!("{}", walks(merged));
-        say!(
-            "  Joint error: rms over joints, mean over time, without noise. Round trips: three there and \
-             back. Bands: 100\n  sampled people; the noise is calibrated on blocks of the training part \
-             only."
-        );
-    }
-    say!("\nIdentified W (diagonal, scaled to mean 1; geometric mean over splits):");
-    for s in merged.iter().filter(|s| s.method.identifies_weights()) {
-        if let Some(w) = weights(s) {
-            let list: Vec<String> = w.iter().map(|v| format!("{v:.3}")).collect();
-            say!("  {:10} {}", s.method.name(), list.join(" "));
-        }
-        if let Some(u) = s.uncertainty.first() {
-            let sd: Vec<String> = u.log_sd.iter().map(|v| format!("{v:.2}")).collect();
-            say!("  {:10} {}", "  sd log", sd.join(" "));
-            let joints = problems.first().map_or(&[][..], |p| &p.dataset.joints);
-            let open: Vec<&str> = u
-                .undetermined_joints
-                .iter()
-                .filter_map(|&i| joints.get(i).map(String::as_str))
-                .collect();
-            let which = if open.is_empty() { "none".to_owned() } else { open.join(", ") };
-            say!(
-                "  {:10} {} of {} directions undetermined by the data; joints whose weight is mostly the \
-                 prior's: {which}",
-                "",
-                u.undetermined_directions,
-                u.log_sd.len().saturating_sub(1)
-            );
-        }
-    }
-}
-
-fn spread_text(s: Percentiles, digits: usize) -> String {
-    if s.p05 == s.p95 || s.p95.is_nan() {
-        return number(s.median, digits);
-    }
-    format!("{} [{}, {}]", number(s.median, digits), number(s.p05, digits), number(s.p95, digits))
-}
-
-fn number(v: f64, digits: usize) -> String {
-    if v != 0.0 && v.abs() < 1e-4 { format!("{v:.1e}") } else { format!("{v:.digits$}") }
-}
-
-fn table_of(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(header);
-    table
-}
-
-fn align(table: &mut Table) {
-    let count = table.column_count();
-    for column in 1..count {
-        if let Some(c) = table.column_mut(column) {
-            c.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-}
-
-fn figures(merged: &[MethodScore]) -> Table {
-    let header = [
-        "method",
-        "LL qdot",
-        "RMSE qdot",
-        "relative",
-        "LL xdot",
-        "RMSE xdot",
-        "training",
-        "per row",
-    ];
-    let mut table = table_of(&header);
-    for s in merged {
-        table.add_row([
-            s.method.name().to_owned(),
-            spread_text(s.spread(|g| g.ll_q), 2),
-            spread_text(s.spread(|g| g.rmse_q), 4),
-            spread_text(s.spread(|g| g.relative_rmse_q), 3),
-            spread_text(s.spread(|g| g.ll_x), 2),
-            spread_text(s.spread(|g| g.rmse_x), 4),
-            format!("{:.2} s", s.train_s),
-            format!("{:.0} us", 1e6 * s.predict_s),
-        ]);
-    }
-    align(&mut table);
-    table
-}
-
-fn walks(merged: &[MethodScore]) -> Table {
-    let header = [
-        "method",
-        "joint error",
-        "with pull",
-        "3 round trips",
-        "with pull",
-        "in 50 %",
-        "in 90 %",
-        "at the end",
-        "90 % width",
-        "LL path",
-    ];
-    let mut table = table_of(&header);
-    for s in merged {
-        let of = |pick: fn(&crate::training::RolloutScore) -> f64| {
-            crate::math::stats::mean(&s.rollouts.iter().map(pick).collect::<Vec<_>>())
-        };
-        let percent = |v: f64| format!("{:.0} %", 100.0 * v);
-        let deg = |v: f64| format!("{v:.1} deg");
-        table.add_row([
-            s.method.name().to_owned(),
-            deg(of(|r| r.path_error_deg)),
-            deg(of(|r| r.pulled_path_error_deg)),
-            deg(of(|r| r.drift_deg.0)),
-            deg(of(|r| r.drift_deg.1)),
-            percent(of(|r| r.bands.coverage_50)),
-            percent(of(|r| r.bands.coverage_90)),
-            percent(of(|r| r.bands.end_coverage_90)),
-            deg(of(|r| r.bands.width_90_deg)),
-            format!("{:.1}", of(|r| r.trajectory_ll)),
-        ]);
-    }
-    align(&mut table);
-    table
 }

@@ -54,6 +54,7 @@ struct CalibrationArgs {
 
 /// Arguments of `experiment toy-5r`.
 #[derive(Debug, clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 struct ToyArgs {
     /// Number of repeats, each with its own start posture, weights and noise.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=200))]

@@ -67,7 +67,7 @@ impl InputScale {
 
 /// Reduced inputs of N samples in panels of sixteen: coordinate by coordinate, sixteen samples each.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Panels {
+pub(super) struct Panels {
     count: usize,
     dimensions: usize,
     values: Vec<f64>,
@@ -75,7 +75,7 @@ pub struct Panels {
 
 impl Panels {
     /// From standardised rows, N x D, and the factor of each column.
-    pub fn new(rows: &DMatrix<f64>, reduction: &[f64]) -> Self {
+    pub(super) fn new(rows: &DMatrix<f64>, reduction: &[f64]) -> Self {
         let (count, dimensions) = rows.shape();
         let mut values = vec![NOWHERE; count.div_ceil(PANEL) * PANEL * dimensions];
         for i in 0..count {
@@ -87,23 +87,13 @@ impl Panels {
         Self { count, dimensions, values }
     }
 
-    /// Number of samples, N.
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Whether there are no samples.
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
     /// Number of inputs, D.
-    pub fn dimensions(&self) -> usize {
+    pub(super) fn dimensions(&self) -> usize {
         self.dimensions
     }
 
     /// `k(x, .)` for a reduced input x (D): N values.
-    pub fn row(&self, x: &[f64]) -> Vec<f64> {
+    pub(super) fn row(&self, x: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.count];
         self.row_from(x, 0, &mut out);
         out
@@ -124,7 +114,7 @@ impl Panels {
     }
 
     /// Adds `k(x, .) V` to `out` (n), for V row by row, N rows of n numbers.
-    pub fn apply(&self, x: &[f64], rows: &[f64], out: &mut [f64]) {
+    pub(super) fn apply(&self, x: &[f64], rows: &[f64], out: &mut [f64]) {
         let n = out.len();
         wide(
             #[inline(always)]

@@ -68,7 +68,7 @@ pub struct Prediction {
 /// Variances that no residual tells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Floors {
-    /// Variance of each row of the task velocity (S_x), m: (m/s)^2, (rad/s)^2.
+    /// Variance of each row of the task velocity (`S_x`), m: (m/s)^2, (rad/s)^2.
     pub task: DVector<f64>,
     /// Standard deviation in every null direction, rad/s.
     pub null_rad_s: f64,

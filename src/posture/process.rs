@@ -374,7 +374,12 @@ impl FunctionDraw {
 }
 
 /// `z` of several processes that share out the joints, added to `out` (n, rad/s).
-pub fn add_means(processes: &[Process], q: &[f64], task_velocity: &[f64], out: &mut DVector<f64>) {
+pub(super) fn add_means(
+    processes: &[Process],
+    q: &[f64],
+    task_velocity: &[f64],
+    out: &mut DVector<f64>,
+) {
     for p in processes {
         let x = p.reduce(q, task_velocity);
         for (o, v) in p.outputs.iter().zip(p.mean(&x)) {
@@ -446,6 +451,7 @@ mod tests {
 
     #[test]
     fn draws_have_the_posterior_mean_and_covariance() {
+        const DRAWS: u32 = 3000;
         // At a sample, between samples, and far away; exact and inducing.
         let (scale, rows, s) = data(40);
         let outputs = vec![0, 1, 2, 3];
@@ -462,7 +468,6 @@ mod tests {
                 reduced(&gp.centres, &gp.reduction).row(5).iter().copied().collect();
             let near = gp.reduce(&[0.1, -0.3, 0.2, 0.5], &[0.4, -0.2]);
             let points = [at_sample, near, vec![30.0; 6]];
-            const DRAWS: u32 = 3000;
             let mut values = vec![Vec::new(); points.len()];
             for i in 0..DRAWS {
                 let draw = posterior.draw(&factor, &mut stream(4, Purpose::Posture, 0, i));
@@ -478,8 +483,8 @@ mod tests {
                     .iter()
                     .fold(DMatrix::zeros(4, 4), |a, v| a + (v - &mean) * (v - &mean).transpose())
                     / f64::from(DRAWS);
-                let expected =
-                    &noise * (posterior.open_shares(&[x.clone()])[0] / HYPER.noise_ratio);
+                let expected = &noise
+                    * (posterior.open_shares(std::slice::from_ref(x))[0] / HYPER.noise_ratio);
                 let sd = (expected[(3, 3)] / f64::from(DRAWS)).sqrt();
                 assert!((mean[3] - gp.mean(x)[3]).abs() < 4.0 * sd + 1e-9, "mean {mean}");
                 let error = (&cov - &expected).norm() / expected.norm();

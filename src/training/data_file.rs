@@ -57,7 +57,9 @@ pub fn read_data(
     let table = NumericTable::read(path)?;
     let n = chain.dof();
     let count = |group: &str| {
-        (0..).take_while(|i| table.columns.iter().any(|c| *c == format!("{group}{i}"))).count()
+        (0..table.columns.len())
+            .take_while(|i| table.columns.iter().any(|c| *c == format!("{group}{i}")))
+            .count()
     };
     let (columns_q, m, columns_v) = (count("q"), count("xdot"), count("qdot"));
     let hold = match hold.or_else(|| task_of_rows(m)) {

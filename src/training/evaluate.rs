@@ -7,8 +7,8 @@
 //! LL_null  mean log N(V^T qdot; V^T mu, V^T S V): LL_q without the part that S_x decides
 //! ```
 //! The noise of each law is that of residuals within the training part, each from a law that had not
-//! seen its block. S_x is given, or the variance of the training residual `xdot - J qdot` with a floor of
-//! (1e-4)^2 (m/s, rad/s). Likelihoods depend on S_x and on the floor of the null directions.
+//! seen its block. `S_x` is given, or the variance of the training residual `xdot - J qdot` with a floor of
+//! (1e-4)^2 (m/s, rad/s). Likelihoods depend on `S_x` and on the floor of the null directions.
 
 use super::dataset::{Dataset, Fold, Frame};
 use super::methods::{Law, WeightUncertainty, learn_laws, singular, weight_uncertainty};
@@ -161,16 +161,15 @@ fn empty(method: Method) -> MethodScore {
 
 fn floors(dataset: &Dataset, fold: &Fold, judging: &Judging, settings: &TrainSettings) -> Floors {
     let m = dataset.task_rows();
-    let task = match judging.task_sd {
-        Some(sd) => DVector::from_element(m, sd * sd),
-        None => {
-            let mut sum = DVector::zeros(m);
-            for f in dataset.select(&fold.train) {
-                let left = &f.xdot - &f.jacobian * &f.qdot;
-                sum += left.component_mul(&left);
-            }
-            (sum / fold.train.len() as f64).map(|v: f64| v.max(TASK_FLOOR * TASK_FLOOR))
+    let task = if let Some(sd) = judging.task_sd {
+        DVector::from_element(m, sd * sd)
+    } else {
+        let mut sum = DVector::zeros(m);
+        for f in dataset.select(&fold.train) {
+            let left = &f.xdot - &f.jacobian * &f.qdot;
+            sum += left.component_mul(&left);
         }
+        (sum / fold.train.len() as f64).map(|v: f64| v.max(TASK_FLOOR * TASK_FLOOR))
     };
     Floors { task, null_rad_s: settings.null_floor_rad_s }
 }

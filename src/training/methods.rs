@@ -114,8 +114,8 @@ pub fn learn_laws(
     };
     let log_w = if methods.iter().any(|m| searched(&m)) {
         let warm = before.and_then(|laws| {
-            let simple = laws.iter().filter(|l| l.method != Method::MiNsgp);
-            simple.filter_map(|l| l.log_weights.as_deref()).next()
+            let mut simple = laws.iter().filter(|l| l.method != Method::MiNsgp);
+            simple.find_map(|l| l.log_weights.as_deref())
         });
         let few = at_most(&school.few, settings.exact_samples);
         diagonal::least_squares(&few, &school.moment, warm)
@@ -223,12 +223,11 @@ impl School<'_> {
     fn identified(&self, log_w: &[f64]) -> Option<Law> {
         let method = Method::MiNsgp;
         let known = self.old(method).and_then(|l| Some((l.log_weights.clone()?, l.hypers.clone())));
-        let (log_w, hypers) = match known {
-            Some(known) => known,
-            None => {
-                let found = process::identify(&self.few, log_w, self.settings)?;
-                (found.log_w, vec![found.hyper])
-            }
+        let (log_w, hypers) = if let Some(known) = known {
+            known
+        } else {
+            let found = process::identify(&self.few, log_w, self.settings)?;
+            (found.log_w, vec![found.hyper])
         };
         let targets = process::null_targets(&self.few, &log_w)?;
         let law = Law { hypers, ..self.weighted(method, &log_w) };
@@ -293,12 +292,16 @@ impl School<'_> {
 }
 
 /// The objective of the settings at log weights (n), nats per frame, kernel parameters fitted to them.
-pub fn objective_at(frames: &[&Frame], log_w: &[f64], settings: &TrainSettings) -> Option<f64> {
+pub(super) fn objective_at(
+    frames: &[&Frame],
+    log_w: &[f64],
+    settings: &TrainSettings,
+) -> Option<f64> {
     process::objective_at(&at_most(frames, settings.search_samples), log_w, settings)
 }
 
 /// How well the frames determine the weights of MI-NsGP or of W-IK.
-pub fn weight_uncertainty(
+pub(super) fn weight_uncertainty(
     law: &Law,
     frames: &[&Frame],
     settings: &TrainSettings,
@@ -315,7 +318,7 @@ pub fn weight_uncertainty(
     let hyper = law.hypers.first().copied().unwrap_or(white);
     let found = process::Identified { log_w: log_w.clone(), hyper };
     let problem = process::weight_problem(&samples, &few, &found, settings, temper)?;
-    uncertainty::uncertainty(&problem, log_w)
+    Some(uncertainty::uncertainty(&problem, log_w))
 }
 
 /// `mean qdot qdot^T`, n x n, (rad/s)^2; not centred, so that moving there and back counts.

@@ -150,12 +150,12 @@ fn factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
+/// Lag in steps, correlation, and the number of pairs behind it.
+type Curve = Vec<(usize, f64, f64)>;
+
 /// Pooled autocorrelation of rows at frames: (lag in steps, correlation, pairs), not centred, so
 /// that what lasts a whole movement shows at every lag; and the time step, s.
-fn autocorrelation(
-    frames: &[&Frame],
-    rows: &[DVector<f64>],
-) -> Option<(Vec<(usize, f64, f64)>, f64)> {
+fn autocorrelation(frames: &[&Frame], rows: &[DVector<f64>]) -> Option<(Curve, f64)> {
     let mut trials: BTreeMap<usize, BTreeMap<usize, usize>> = BTreeMap::new();
     for (i, f) in frames.iter().enumerate() {
         trials.entry(f.trial).or_default().insert(f.index, i);

@@ -182,7 +182,9 @@ pub fn learn_walking(
     });
     let is_pulled = pull_error_deg.is_some_and(|(free, pulled)| pulled < free);
     if !is_pulled {
-        blocks.iter_mut().for_each(|b| b.0.attraction = None);
+        for (law, _) in &mut blocks {
+            law.attraction = None;
+        }
     }
     let unseen = unseen_residuals(dataset, &inner, laws, settings, is_pulled)?;
     let noise = learn_noise(&law.law, &unseen[0]);

@@ -103,7 +103,7 @@ pub fn unseen_residuals<'a>(
 }
 
 /// `mean r r^T`, n x n.
-pub fn covariance<'a>(residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> DMatrix<f64> {
+fn covariance<'a>(residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> DMatrix<f64> {
     let (mut sum, mut count) = (DMatrix::zeros(0, 0), 0);
     for r in residuals {
         if count == 0 {

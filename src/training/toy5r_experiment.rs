@@ -44,7 +44,7 @@ pub struct ToyScore {
     pub ll_x: f64,
     /// RMSE of the task velocity, m/s.
     pub rmse_x: f64,
-    /// Rms over joints of log w - log w_true, both centred; of methods with weights.
+    /// Rms over joints of log w about that of the truth, both centred; of methods with weights.
     pub weight_error: Option<f64>,
     /// Time of the training, s.
     pub train_s: f64,
@@ -71,7 +71,7 @@ pub struct ToyResult {
     pub scores: Vec<Vec<ToyScore>>,
     /// The in-sample objective, one for each repeat.
     pub in_sample: Vec<InSampleCheck>,
-    /// Rms of the centred log w_true of each repeat: the weight error of W = I.
+    /// Rms of the centred true log weights of each repeat: the weight error of W = I.
     pub identity_error: Vec<f64>,
 }
 
@@ -221,7 +221,7 @@ fn repeat(
     Ok(repeat)
 }
 
-/// Rms over joints of log w - log w_true, both centred.
+/// Rms over joints of log w about that of the truth, both centred.
 fn weight_error(weights: &[f64], log_truth: &[f64]) -> f64 {
     let n = weights.len() as f64;
     let difference: Vec<f64> =

@@ -35,22 +35,21 @@ pub(super) fn centres(
     let rows = inputs.rows.select_rows(&at_most(&all, CANDIDATES));
     let most = settings.inducing.unwrap_or(with_held_out(NUMBERS[NUMBERS.len() - 1]));
     let mut greedy = Greedy::new(reduced(&rows, &inputs.scale.reduction(hyper)), most);
-    let number = match settings.inducing {
-        Some(number) => number,
-        None => {
-            let judged = at_most(&all, JUDGED);
-            let own = inputs.rows.select_rows(&judged);
-            let targets = targets.select_rows(&judged);
-            // A process is surer than it should be about inputs that it knows as centres: none of them
-            // may come from blocks that test.
-            let mut first = |number: usize| {
-                let order = greedy.first(with_held_out(number)).iter().copied();
-                let own: Vec<usize> =
-                    order.filter(|&i| !is_test(i, rows.nrows())).take(number).collect();
-                rows.select_rows(&own)
-            };
-            enough(inputs, (&own, &targets), &mut first, hyper)?
-        }
+    let number = if let Some(number) = settings.inducing {
+        number
+    } else {
+        let judged = at_most(&all, JUDGED);
+        let own = inputs.rows.select_rows(&judged);
+        let targets = targets.select_rows(&judged);
+        // A process is surer than it should be about inputs that it knows as centres: none of them
+        // may come from blocks that test.
+        let mut first = |number: usize| {
+            let order = greedy.first(with_held_out(number)).iter().copied();
+            let own: Vec<usize> =
+                order.filter(|&i| !is_test(i, rows.nrows())).take(number).collect();
+            rows.select_rows(&own)
+        };
+        enough(inputs, (&own, &targets), &mut first, hyper)?
     };
     Some(rows.select_rows(greedy.first(number)))
 }

@@ -88,7 +88,7 @@ pub(super) struct Resolved<'a> {
 }
 
 impl Resolved<'_> {
-    /// s = qdot - J_W^+ xdot = qdot - W u, N x n, rad/s.
+    /// `s = qdot - J_W^+ xdot = qdot - W u`, N x n, rad/s.
     pub(super) fn residuals(&self, weights: &[f64]) -> DMatrix<f64> {
         DMatrix::from_fn(self.each.len(), self.samples.n, |t, c| {
             self.samples.items[t].qdot[c] - weights[c] * self.each[t].u[c]

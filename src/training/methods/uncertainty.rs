@@ -31,7 +31,7 @@ pub struct WeightUncertainty {
 }
 
 /// The curvature at log w.
-pub(super) fn uncertainty(problem: &WeightProblem, log_w: &[f64]) -> Option<WeightUncertainty> {
+pub(super) fn uncertainty(problem: &WeightProblem, log_w: &[f64]) -> WeightUncertainty {
     let n = log_w.len();
     let mut hessian = DMatrix::zeros(n, n);
     for i in 0..n {
@@ -58,10 +58,10 @@ pub(super) fn uncertainty(problem: &WeightProblem, log_w: &[f64]) -> Option<Weig
     let open = |variance: f64| variance * prior > OPEN_SHARE;
     let directions = ratios.clone().symmetric_eigen().eigenvalues;
     let variances = ratios.diagonal();
-    Some(WeightUncertainty {
+    WeightUncertainty {
         log_sd: variances.iter().map(|v| v.sqrt()).collect(),
         undetermined_directions: directions.iter().filter(|v| open(**v)).count(),
         undetermined_joints: (0..n).filter(|&i| open(variances[i])).collect(),
         temper: problem.temper,
-    })
+    }
 }
