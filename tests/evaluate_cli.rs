@@ -35,7 +35,7 @@ fn median(found: &serde_json::Value, method: &str, figure: &str) -> f64 {
     own[figure]["median"].as_f64().unwrap()
 }
 
-/// Rms of log w - log w_true, both centred.
+/// Rms of log w - log true weights, both centred.
 fn weight_error(found: &serde_json::Value, truth: &serde_json::Value) -> f64 {
     let methods = found["methods"].as_array().unwrap();
     let own = methods.iter().find(|m| m["method"] == "mi-nsgp").unwrap();
