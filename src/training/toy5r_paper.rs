@@ -119,7 +119,7 @@ pub fn open_constants() -> Vec<(&'static str, String)> {
             format!("smallest singular value of J below {} m/rad", c.singular_threshold),
         ),
         ("start posture", format!("each angle uniform in [0, {}] deg", c.q0_range_deg)),
-        ("smoothness of the null-space basis", "aligned, or all joints projected".to_owned()),
+        ("smoothness of the null-space basis", "no basis: all joints, projected".to_owned()),
         (
             "segments for ProMP",
             "50 consecutive rows; 70 % of the segments train: not the same rows as the other \
