@@ -128,7 +128,8 @@ fn projected_covariance(
 }
 
 /// F with `F F^T` the covariance without its smallest directions; columns by falling variance, the
-/// largest entry of each positive.
+/// first large entry of each positive: joints that share a motion tie for the largest, and rounding
+/// must not choose between them.
 fn factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = covariance.clone().symmetric_eigen();
     let largest = eigen.eigenvalues.max();
@@ -140,7 +141,8 @@ fn factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
         .iter()
         .map(|&i| {
             let v = eigen.eigenvectors.column(i);
-            let sign = v[v.icamax()].signum();
+            let large = 0.5 * v.amax();
+            let sign = v.iter().find(|e| e.abs() > large).map_or(1.0, |e| e.signum());
             v * (sign * eigen.eigenvalues[i].sqrt())
         })
         .collect();
