@@ -19,7 +19,7 @@
 //!         ─ path::project (qp)                 ─► SmoothPath | why not
 //!         ─ robot                              ─► RobotMotion | why not
 //!         ─ posture::roll_out                  ─► Rollout            (sampled postures over time)
-//!         ─ human::Skeleton, ergonomics        ─► BodyScores         (RULA, REBA as distributions)
+//!         ─ survey (human), ergonomics         ─► BodyScores         (RULA, REBA as distributions)
 //!         ─ planner                            ─► RunResult          (ranked, compared, explained)
 //!         ─ report                             ─► result.json, CSV, PNG, report.html
 //! ```
@@ -48,5 +48,6 @@ pub mod recording;
 pub mod report;
 pub mod robot;
 pub mod scenario;
+pub mod survey;
 pub mod training;
 pub mod trajectory;

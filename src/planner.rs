@@ -12,11 +12,11 @@
 
 mod evaluate;
 mod explain;
+mod lens;
 mod pipeline;
 mod prepare;
 mod preset;
 mod result;
-mod score;
 
 pub use pipeline::{PlanError, Request, Stage, assess, plan};
 pub use preset::{Objective, Preset, load_preset, preset_names};

@@ -15,7 +15,7 @@ mod task;
 mod worker;
 
 pub use check::Scenario;
-pub use file::{NeckRule, OtherArm, PosturePick};
+pub use file::{OtherArm, PosturePick};
 pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
 pub use worker::Worker;

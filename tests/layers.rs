@@ -15,7 +15,7 @@ const FLOORS: &[&[&str]] = &[
     &["qp", "trajectory", "files"],
     &["kinematics"],
     &["human", "robot", "ergonomics"],
-    &["posture", "path", "recording"],
+    &["posture", "path", "recording", "survey"],
     &["scenario", "training"],
     &["planner"],
     &["report"],

@@ -1,7 +1,6 @@
 //! Sends people along paths and scores them.
 
 use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
-use super::score::{Lens, PostureAngles, Surveyor};
 use crate::ergonomics::{
     P_AT_LEAST_S, REBA_WORST, RULA_WORST, RulaStep, ScoreDistribution, drivers, score_distribution,
 };
@@ -14,6 +13,7 @@ use crate::posture::{
 };
 use crate::robot::stick;
 use crate::scenario::{OtherArm, Scenario};
+use crate::survey::{Lens, PostureAngles, Surveyor};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
 use rayon::prelude::*;

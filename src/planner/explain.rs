@@ -5,12 +5,12 @@ use super::result::{
     BodyScores, CandidateResult, Comparison, Evaluated, IfChanged, InputOrigin, ModelSummary,
     Setting, Status, Verdict,
 };
-use super::score::Lens;
 use crate::ergonomics::{paired_difference, rula_action_level, rula_action_words};
 use crate::human::Stance;
 use crate::posture::{Hold, StartRule};
 use crate::robot::Obstacle;
-use crate::scenario::{NeckRule, Origin, OtherArm, Scenario};
+use crate::scenario::{Origin, OtherArm, Scenario};
+use crate::survey::{Lens, NeckRule};
 
 /// The words that must stand in the verdict of a model that is not of the worker concerned.
 const CAVEAT: &str = "demonstration model, not your workers";

@@ -4,16 +4,17 @@ use super::evaluate::{Person, Walks};
 use super::explain::{
     comparisons, inputs, model_summary, not_modelled, setting, verdict, worst_index,
 };
+use super::lens::lens;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
 use super::result::{
     BodyScores, CandidateResult, Evaluated, RESULT_SCHEMA, RolloutTable, RunProvenance, RunResult,
     Status,
 };
-use super::score::Lens;
 use crate::files::InputError;
 use crate::path::{CandidateSettings, candidates};
 use crate::scenario::Scenario;
+use crate::survey::Lens;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -105,7 +106,7 @@ fn run(
     let Request { seed, preset, .. } = request;
     prepared.extend(scenario.paths.iter().map(|p| workshop.users(p)));
     let people = Person::all(scenario)?;
-    let lens = Lens::of(scenario);
+    let lens = lens(scenario);
     let evaluator = Evaluator { people: &people, lens: &lens, scenario, seed: *seed };
 
     // Search: few people on every path.

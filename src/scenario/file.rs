@@ -2,6 +2,7 @@
 
 use crate::human::Side;
 use crate::posture::Hold;
+use crate::survey::NeckRule;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
@@ -82,17 +83,6 @@ pub(super) enum StanceFile {
     #[default]
     Standing,
     Seated,
-}
-
-/// How the head is held, which nobody predicts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum NeckRule {
-    /// In line with the trunk.
-    #[default]
-    Neutral,
-    /// Turned to the hand, within the joint limits.
-    Gaze,
 }
 
 /// What is known of the arm that does not hold the robot.

@@ -1,10 +1,11 @@
 //! Who works, where, and in which posture.
 
-use super::file::{NeckRule, OtherArm, StanceFile, WorkerFile};
+use super::file::{OtherArm, StanceFile, WorkerFile};
 use super::source::Source;
 use crate::files::{InputError, NumericTable};
 use crate::human::{Body, Side, Stance};
 use crate::posture::{PostureModel, StartRule, load_model};
+use crate::survey::NeckRule;
 use std::path::Path;
 
 /// The worker of a scenario.

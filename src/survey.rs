@@ -1,4 +1,4 @@
-//! From joint angles to RULA and REBA: fills the worksheet's angles from forward kinematics.
+//! From joint angles to body angles and their scores: fills the worksheets from forward kinematics.
 
 use crate::ergonomics::Side as ScoreSide;
 use crate::ergonomics::{
@@ -8,52 +8,42 @@ use crate::ergonomics::{
 use crate::files::InputError;
 use crate::human::{Body, PosedSkeleton, Segment, Side, Skeleton, Stance};
 use crate::math::{Pose, Rotation, Vec3};
-use crate::scenario::{NeckRule, Scenario};
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+/// How the head is held, which nobody predicts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NeckRule {
+    /// In line with the trunk.
+    #[default]
+    Neutral,
+    /// Turned to the hand, within the joint limits.
+    Gaze,
+}
 
 /// Range of the neck to which a gaze is held, deg: flexion, extension, twist.
 const NECK_RANGE_DEG: [f64; 3] = [50.0, 60.0, 80.0];
 
 /// What varies between one look at the scores and another.
 #[derive(Debug, Clone)]
-pub(super) struct Lens {
+pub struct Lens {
+    /// Load, repetition, support, legs.
     pub task: TaskInputs,
+    /// How the head is held.
     pub neck: NeckRule,
+    /// The convention.
     pub profile: Profile,
-}
-
-impl Lens {
-    /// As the scenario says; muscle use only where it follows from the task.
-    pub(super) fn of(scenario: &Scenario) -> Self {
-        let t = &scenario.task;
-        let w = &scenario.worker;
-        let is_seated = matches!(w.stance, Stance::Seated { .. });
-        Self {
-            task: TaskInputs {
-                load_kg: t.load_kg,
-                load_static_or_repeated: t.is_repeated() || t.is_static(),
-                load_shock: t.shock,
-                static_gt_1min: t.is_static(),
-                repeated_gt_4min: t.is_repeated(),
-                rapid_large_changes: false,
-                coupling: t.coupling,
-                sitting: is_seated,
-                trunk_supported: w.trunk_supported,
-                legs_unbalanced: false,
-                knee_flex_deg: 0.0,
-                arm_supported: w.arm_supported,
-            },
-            neck: w.neck,
-            profile: Profile::default(),
-        }
-    }
 }
 
 /// The angles of one posture, before any rule about task or neck.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PostureAngles {
+pub struct PostureAngles {
+    /// Trunk, and neck in line with it.
     pub neutral: TrunkNeckAngles,
+    /// Trunk, and head turned to the hand.
     pub gaze: TrunkNeckAngles,
+    /// The arm that holds on to the robot.
     pub arm: ArmAngles,
     /// The other arm, hanging.
     pub other: ArmAngles,
@@ -67,17 +57,19 @@ impl PostureAngles {
         }
     }
 
-    pub(super) fn sheet(&self, lens: &Lens) -> Worksheet {
+    /// The filled-in worksheet.
+    pub fn sheet(&self, lens: &Lens) -> Worksheet {
         worksheet(self.trunk_neck(lens.neck), &self.arm, &lens.task, &lens.profile)
     }
 
-    pub(super) fn score(&self, lens: &Lens) -> (RulaSteps, RebaSteps) {
+    /// RULA and REBA.
+    pub fn score(&self, lens: &Lens) -> (RulaSteps, RebaSteps) {
         let sheet = self.sheet(lens);
         (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
     }
 
     /// RULA of the other arm: no load, no coupling.
-    pub(super) fn other_rula(&self, lens: &Lens) -> RulaSteps {
+    pub fn other_rula(&self, lens: &Lens) -> RulaSteps {
         let task =
             TaskInputs { load_kg: 0.0, load_shock: false, arm_supported: false, ..lens.task };
         let sheet = worksheet(self.trunk_neck(lens.neck), &self.other, &task, &lens.profile);
@@ -87,7 +79,7 @@ impl PostureAngles {
 
 /// Poses a body in the world and measures it.
 #[derive(Debug, Clone)]
-pub(super) struct Surveyor {
+pub struct Surveyor {
     /// Trunk, head and arms, for scores.
     upper: Measured,
     /// All segments, for drawings.
@@ -155,18 +147,14 @@ fn whole_posture(skeleton: &Skeleton, side: Side, q: &DVector<f64>) -> Vec<f64> 
 
 impl Surveyor {
     /// For a body whose pelvis is at `pelvis` in the world.
-    pub(super) fn new(
-        body: &Body,
-        side: Side,
-        pelvis: Pose,
-        stance: Stance,
-    ) -> Result<Self, InputError> {
+    pub fn new(body: &Body, side: Side, pelvis: Pose, stance: Stance) -> Result<Self, InputError> {
         let whole = Skeleton::new(body, side, true)?;
         let is_seated = matches!(stance, Stance::Seated { .. });
         Ok(Self { upper: Measured::new(body, side)?, whole, pelvis, side, is_seated })
     }
 
-    pub(super) fn measure(&self, q: &DVector<f64>) -> PostureAngles {
+    /// Body angles of the posture `q` (n joints of the coupled chain, rad).
+    pub fn measure(&self, q: &DVector<f64>) -> PostureAngles {
         let parts = &self.upper;
         let posed = parts.skeleton.pose(&whole_posture(&parts.skeleton, self.side, q));
         let at = |segment: Segment| self.pelvis * posed.at(segment);
@@ -212,7 +200,7 @@ impl Surveyor {
     }
 
     /// Bones as segments in the world, for drawings.
-    pub(super) fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
+    pub fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
         let mut all = whole_posture(&self.whole, self.side, q);
         if self.is_seated {
             // Thighs level, shanks upright: legs are not predicted, only drawn.
