@@ -1,6 +1,7 @@
 //! Mathematics that is true of any robot, body or cost: poses, weighted pseudo-inverses, statistics,
 //! random streams and filters.
 
+pub mod cma;
 pub mod dense;
 pub mod pose;
 pub mod redundancy;
