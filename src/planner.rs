@@ -12,12 +12,20 @@
 
 mod evaluate;
 mod explain;
+mod finalists;
 mod lens;
+mod objective;
 mod pipeline;
 mod prepare;
 mod preset;
 mod result;
+mod resume;
+mod search;
+mod searches;
+mod space;
 
-pub use pipeline::{PlanError, Request, Stage, assess, plan};
+pub use pipeline::{PlanError, Request, Stage, Step, assess, plan};
 pub use preset::{Objective, Preset, load_preset, preset_names};
 pub use result::*;
+pub use resume::Checkpoint;
+pub use search::{SearchState, Tried};

@@ -9,6 +9,7 @@
 mod cell;
 mod check;
 mod file;
+mod freedom;
 mod paths;
 mod source;
 mod task;
@@ -16,6 +17,7 @@ mod worker;
 
 pub use check::Scenario;
 pub use file::{OtherArm, PosturePick};
+pub use freedom::{Freedom, Freedoms, Variant};
 pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
 pub use worker::Worker;

@@ -201,6 +201,11 @@ impl Surveyor {
 
     /// Bones as segments in the world, for drawings.
     pub fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
+        self.bones_at(&self.pelvis, q)
+    }
+
+    /// The same with the pelvis elsewhere.
+    pub fn bones_at(&self, pelvis: &Pose, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
         let mut all = whole_posture(&self.whole, self.side, q);
         if self.is_seated {
             // Thighs level, shanks upright: legs are not predicted, only drawn.
@@ -216,12 +221,11 @@ impl Surveyor {
             }
         }
         let posed = self.whole.pose(&all);
-        let at = |name: &str| -> [f64; 3] {
-            (self.pelvis * posed.segment(name)).translation.vector.into()
-        };
+        let at =
+            |name: &str| -> [f64; 3] { (pelvis * posed.segment(name)).translation.vector.into() };
         let mut bones: Vec<[[f64; 3]; 2]> =
             crate::human::bones().iter().map(|(a, b)| [at(a), at(b)]).collect();
-        let head = self.pelvis * posed.segment("Head");
+        let head = pelvis * posed.segment("Head");
         let crown = head * nalgebra::Point3::new(0.0, 0.14, 0.0);
         bones.push([head.translation.vector.into(), crown.coords.into()]);
         bones

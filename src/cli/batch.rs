@@ -4,7 +4,7 @@ use super::plan::{canonical, failure, with_threads};
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, OutputFolder, read_text, write_whole};
-use crate::planner::{Preset, Request, load_preset, plan};
+use crate::planner::{Preset, Request, Step, load_preset, plan};
 use crate::report::{self, ComparisonRow, RowState};
 use crate::scenario::read_scenario;
 use comfy_table::{Table, presets};
@@ -100,8 +100,8 @@ fn one(run: &Run, args: &BatchArgs) -> Result<ComparisonRow, Failure> {
     let seed = args.seed.unwrap_or(scenario.seed);
     let command = canonical("plan", &scenario, &run.planner, seed);
     let preset = run.preset.clone();
-    let request = Request { command, seed, preset, keeps_rollouts: false };
-    let silent = |_: &'static str, _: usize, _: usize| !Progress::is_interrupted();
+    let request = Request { command, seed, preset, keeps_rollouts: false, resume: None };
+    let silent = |_: Step| !Progress::is_interrupted();
     let result = plan(&scenario, &request, &silent).map_err(failure)?;
     let folder = OutputFolder::create(&args.output.join(&run.name))?;
     for (name, bytes) in

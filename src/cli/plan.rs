@@ -3,7 +3,9 @@
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, OutputFolder, write_whole};
-use crate::planner::{self, Evaluated, PlanError, Request, RunResult, Status, load_preset};
+use crate::planner::{
+    self, Checkpoint, Evaluated, PlanError, Request, RunResult, Status, Step, load_preset,
+};
 use crate::report;
 use crate::scenario::{Scenario, read_scenario, read_user_path};
 use comfy_table::{Cell, CellAlignment, Table, presets};
@@ -16,6 +18,9 @@ use std::time::Instant;
 pub(super) struct PlanArgs {
     /// Scenario file (TOML).
     scenario: PathBuf,
+    /// Go on with a run that was interrupted: same scenario, planner, seed and folder.
+    #[arg(long)]
+    resume: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -64,7 +69,11 @@ pub(super) struct Common {
 /// Plans a scenario.
 pub(super) fn plan(args: &PlanArgs) -> Result<Outcome, Failure> {
     let scenario = read_scenario(&args.scenario)?;
-    run("plan", &scenario, &args.common, planner::plan)
+    let resume = match args.resume {
+        true => Some(Checkpoint::read(&unfinished(&args.common.output))?),
+        false => None,
+    };
+    run("plan", &scenario, &args.common, resume, planner::plan)
 }
 
 /// Assesses paths.
@@ -79,7 +88,7 @@ pub(super) fn assess(args: &AssessArgs) -> Result<Outcome, Failure> {
         }
         scenario.paths.push(path);
     }
-    run("assess", &scenario, &args.common, planner::assess)
+    run("assess", &scenario, &args.common, None, planner::assess)
 }
 
 type Planner = fn(&Scenario, &Request, planner::Stage) -> Result<RunResult, PlanError>;
@@ -88,6 +97,7 @@ fn run(
     verb: &str,
     scenario: &Scenario,
     common: &Common,
+    resume: Option<Checkpoint>,
     planner: Planner,
 ) -> Result<Outcome, Failure> {
     let started = Instant::now();
@@ -99,12 +109,13 @@ fn run(
     }
     let seed = common.seed.unwrap_or(scenario.seed);
     let command = canonical(verb, scenario, &common.planner, seed);
-    let request = Request { command, seed, preset, keeps_rollouts: common.rollouts };
+    let request = Request { command, seed, preset, keeps_rollouts: common.rollouts, resume };
     let result = with_threads(common.threads, || {
         let progress = Progress::new();
-        planner(scenario, &request, &|stage, done, total| progress.tell(stage, done, total))
+        let tell = |s: Step| progress.tell_best(s.stage, s.done, s.total, s.best);
+        planner(scenario, &request, &tell)
     })?
-    .map_err(failure)?;
+    .map_err(|e| stopped(e, &common.output))?;
     let planned_s = started.elapsed().as_secs_f64();
     let folder = OutputFolder::create(&common.output)?;
     for (name, bytes) in
@@ -113,6 +124,8 @@ fn run(
         folder.write(&name, &bytes)?;
     }
     let written = folder.publish()?;
+    // A run that came to its end needs no way back; that there was none is no fault.
+    let _ = std::fs::remove_file(unfinished(&common.output));
     let total_s = started.elapsed().as_secs_f64();
     if let Some(file) = &common.timings {
         let text =
@@ -158,7 +171,33 @@ pub(super) fn with_threads<R: Send>(
 pub(super) fn failure(error: PlanError) -> Failure {
     match error {
         PlanError::Input(e) => e.into(),
-        PlanError::Interrupted => InputError::new("run", "interrupted; nothing was written").into(),
+        PlanError::Interrupted(_) => {
+            InputError::new("run", "interrupted; nothing was written").into()
+        }
+    }
+}
+
+/// Where an interrupted run keeps what it found: beside the folder that it would have written.
+fn unfinished(output: &Path) -> PathBuf {
+    let mut name = output.file_name().unwrap_or_default().to_os_string();
+    name.push(".unfinished.json");
+    output.with_file_name(name)
+}
+
+/// The failure of a run; an interrupted search is kept, so that it can go on.
+fn stopped(error: PlanError, output: &Path) -> Failure {
+    let PlanError::Interrupted(Some(checkpoint)) = error else { return failure(error) };
+    let file = unfinished(output);
+    let kept = checkpoint.text().and_then(|text| write_whole(&file, text.as_bytes()));
+    match kept {
+        Ok(()) => InputError::new("run", "interrupted; no result was written")
+            .remedy(format!(
+                "{} paths are kept in {}: run the same command with --resume to go on",
+                checkpoint.tried(),
+                file.display()
+            ))
+            .into(),
+        Err(e) => e.into(),
     }
 }
 

@@ -31,17 +31,31 @@ impl Progress {
 
     /// Notes where a stage stands; false after Ctrl-C.
     pub(super) fn tell(&self, stage: &'static str, done: usize, total: usize) -> bool {
+        self.tell_best(stage, done, total, None)
+    }
+
+    /// The same with the best value that a search has found so far.
+    pub(super) fn tell_best(
+        &self,
+        stage: &'static str,
+        done: usize,
+        total: usize,
+        best: Option<f64>,
+    ) -> bool {
         if self.is_shown
             && let Ok(mut bar) = self.bar.lock()
         {
             if bar.0 != stage {
                 bar.1.finish_and_clear();
-                let style = ProgressStyle::with_template("{msg:>16} {bar:40} {pos}/{len}");
+                let style = ProgressStyle::with_template("{msg:>26} {bar:40} {pos}/{len}");
                 *bar = (stage, ProgressBar::new(total as u64));
                 if let Ok(style) = style {
                     bar.1.set_style(style);
                 }
                 bar.1.set_message(stage);
+            }
+            if let Some(best) = best {
+                bar.1.set_message(format!("{stage}, best {best:.2}"));
             }
             bar.1.set_position(done as u64);
             if done == total {

@@ -51,7 +51,8 @@ impl Rates {
         let mu_eff = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
         let c_sigma = (mu_eff + 2.0) / (n + mu_eff + 5.0);
         let c_1 = 2.0 / ((n + 1.3).powi(2) + mu_eff);
-        let c_mu = (2.0 * (mu_eff - 2.0 + 1.0 / mu_eff) / ((n + 2.0).powi(2) + mu_eff)).min(1.0 - c_1);
+        let c_mu =
+            (2.0 * (mu_eff - 2.0 + 1.0 / mu_eff) / ((n + 2.0).powi(2) + mu_eff)).min(1.0 - c_1);
         Self {
             weights,
             mu_eff,
@@ -113,10 +114,8 @@ impl Cma {
             .iter()
             .map(|x| (DVector::from_column_slice(x) - &self.mean) / self.sigma)
             .collect();
-        let step: DVector<f64> = steps
-            .iter()
-            .zip(&r.weights)
-            .fold(DVector::zeros(n), |sum, (y, w)| sum + y * *w);
+        let step: DVector<f64> =
+            steps.iter().zip(&r.weights).fold(DVector::zeros(n), |sum, (y, w)| sum + y * *w);
         self.mean += &step * self.sigma;
         self.generation += 1;
         self.lengthen_paths(&r, &step);
@@ -218,7 +217,9 @@ mod tests {
     #[test]
     fn as_many_evaluations_as_another_implementation() {
         type Function = fn(&[f64]) -> f64;
-        for f in [ellipsoid as Function, |x| rosenbrock(&x.iter().map(|v| v - 2.0).collect::<Vec<_>>())] {
+        for f in
+            [ellipsoid as Function, |x| rosenbrock(&x.iter().map(|v| v - 2.0).collect::<Vec<_>>())]
+        {
             let mean = |counts: Vec<usize>| counts.iter().sum::<usize>() as f64 / 6.0;
             let own = mean((0..6).map(|s| ours(f, 6, s, 1e-9)).collect());
             let other = mean((0..6).map(|s| theirs(f, 6, s, 1e-9)).collect());

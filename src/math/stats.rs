@@ -50,6 +50,11 @@ pub fn cvar_upper(x: &[f64], share: f64) -> f64 {
     sum / count
 }
 
+/// Distribution function of the standard normal.
+pub fn normal_cdf(x: f64) -> f64 {
+    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

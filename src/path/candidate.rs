@@ -39,6 +39,18 @@ pub enum Family {
     Sampled,
     /// The user's own via-points.
     Drawn,
+    /// What an expert would draw: over the middle at elbow height, nearer to the body.
+    ExpertArc,
+    /// The shortest feasible path that was found, where the straight one is not feasible.
+    Shortest,
+    /// The best of as many random paths.
+    BestRandom,
+    /// Planned with a single posture by the plain pseudo-inverse.
+    SinglePosturePlain,
+    /// Planned with a single posture by the learned model, without its spread.
+    SinglePostureLearned,
+    /// Found by the search with one freedom taken away.
+    Held,
 }
 
 /// A path as via-points between start and goal.

@@ -5,25 +5,31 @@ use crate::ergonomics::{
     P_AT_LEAST_S, REBA_WORST, RULA_WORST, RulaStep, ScoreDistribution, drivers, score_distribution,
 };
 use crate::files::InputError;
+use crate::human::Body;
 use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::math::stream::{Purpose, stream};
 use crate::posture::{
-    Coupling, FunctionDraw, HandPath, Rollout, Sampler, Sampling, Start, roll_out, start_postures,
+    Coupling, FunctionDraw, HandPath, PostureLaw, Rollout, Sampler, Sampling, Start, StartRule,
+    roll_out, start_postures,
 };
-use crate::robot::stick;
-use crate::scenario::{OtherArm, Scenario};
+use crate::robot::{Robot, stick};
+use crate::scenario::{OtherArm, Scenario, Variant};
 use crate::survey::{Lens, PostureAngles, Surveyor};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Offset of the block number for the noise stream, so that start and noise draw from other streams.
 const NOISE_BLOCK: u32 = 1 << 16;
 /// The same for the posterior functions.
 const FUNCTION_BLOCK: u32 = 1 << 17;
+
+/// Blocks of functions that are kept at a time.
+const KEPT_BLOCKS: usize = 4;
 
 fn broken_process(model: &str) -> InputError {
     InputError::new(model, "holds a process whose kernel matrix is not positive definite")
@@ -35,8 +41,8 @@ pub(super) struct Person<'a> {
     pub name: String,
     scenario: &'a Scenario,
     coupling: Coupling,
+    body: &'a Body,
     surveyor: Surveyor,
-    world_to_pelvis: Pose,
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,
@@ -72,7 +78,7 @@ impl<'a> Person<'a> {
                     scenario,
                     coupling,
                     surveyor: Surveyor::new(body, w.side, pelvis, w.stance)?,
-                    world_to_pelvis: pelvis.inverse(),
+                    body,
                     sampler: Sampler::new(&w.model.law, Sampling::Pathwise)
                         .ok_or_else(|| broken_process(&w.model.name))?,
                     functions: Mutex::default(),
@@ -81,16 +87,29 @@ impl<'a> Person<'a> {
             .collect()
     }
 
-    /// Grip poses in the pelvis frame along a TCP path.
-    fn targets(&self, path: &TimedPath) -> Vec<Pose> {
-        path.poses.iter().map(|tcp| self.world_to_pelvis * tcp * self.scenario.grip).collect()
+    /// Pelvis in the world.
+    fn pelvis(&self, variant: &Variant) -> Pose {
+        self.body.pelvis_pose(variant.at_m, variant.facing, self.scenario.worker.stance)
     }
 
-    /// `count` people along a path. The same (seed, block) means the same people on every path.
-    pub(super) fn walk(&self, path: &TimedPath, (seed, block): (u64, u32), count: usize) -> Walks {
+    /// The grip in the pelvis frame along a TCP path, as the law sees it.
+    fn hand(&self, path: &TimedPath, variant: &Variant, law: &PostureLaw) -> HandPath {
+        let to_pelvis = self.pelvis(variant).inverse();
+        let targets = path.poses.iter().map(|tcp| to_pelvis * tcp * variant.grip).collect();
+        HandPath::new(&self.coupling, law, path.time_s.clone(), targets)
+    }
+
+    /// People `from..to` of a block along a path. The same (seed, block) means the same people on
+    /// every path.
+    pub(super) fn walk(
+        &self,
+        path: &TimedPath,
+        variant: &Variant,
+        (seed, block): (u64, u32),
+        people: Range<usize>,
+    ) -> Walks {
         let model = &self.scenario.worker.model;
-        let hand =
-            HandPath::new(&self.coupling, &model.law, path.time_s.clone(), self.targets(path));
+        let hand = self.hand(path, variant, &model.law);
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
         let starts = start_postures(
             &self.coupling,
@@ -98,13 +117,13 @@ impl<'a> Person<'a> {
             &self.scenario.worker.start_rule,
             hand.start(),
             (seed, block),
-            count,
+            people.clone(),
         );
-        let functions = self.functions((seed, block), count);
+        let functions = self.functions((seed, block), people.end);
         let walks = starts
             .into_par_iter()
-            .enumerate()
-            .map(|(r, start)| {
+            .zip(people)
+            .map(|(start, r)| {
                 let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
                 let person = self.sampler.person(functions[r].clone(), &mut rng, hand.len(), dt);
                 let rollout = roll_out(&self.coupling, &model.law, &hand, &start, Some(&person));
@@ -113,6 +132,32 @@ impl<'a> Person<'a> {
             })
             .collect();
         Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
+    }
+
+    /// One walk without any chance in it: from the person's mean posture, by the law's mean. With
+    /// `law` the model's own or another one on the same chain.
+    pub(super) fn walk_surely(
+        &self,
+        path: &TimedPath,
+        variant: &Variant,
+        law: &PostureLaw,
+    ) -> Walks {
+        let hand = self.hand(path, variant, law);
+        let postures = &self.scenario.worker.model.postures;
+        let rule = match &self.scenario.worker.start_rule {
+            StartRule::Sampled => &StartRule::Mean,
+            other => other,
+        };
+        let all = start_postures(&self.coupling, postures, rule, hand.start(), (0, 0), 0..1)
+            .into_iter()
+            .map(|start| {
+                let rollout = roll_out(&self.coupling, law, &hand, &start, None);
+                let angles = rollout.q.iter().map(|q| self.surveyor.measure(q)).collect();
+                Walk { rollout, angles, start }
+            })
+            .collect();
+        let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
+        Walks { all, dt, extrapolation_share: hand.extrapolation_share() }
     }
 
     /// At least `count` people's functions of a block.
@@ -126,6 +171,10 @@ impl<'a> Person<'a> {
             let mut rng = stream(seed, Purpose::Posture, FUNCTION_BLOCK + block, r as u32);
             self.sampler.functions(&mut rng)
         };
+        // Searches move on from block to block.
+        while known.len() >= KEPT_BLOCKS {
+            known.pop_first();
+        }
         let drawn: Functions = Arc::new((0..count).into_par_iter().map(draw).collect());
         known.insert((seed, block), drawn.clone());
         drawn
@@ -156,11 +205,12 @@ impl<'a> Person<'a> {
     pub(super) fn pictures(
         &self,
         walks: &Walks,
-        path: &TimedPath,
-        robot_q: &[Vec<f64>],
+        (path, variant): (&TimedPath, &Variant),
+        (robot, robot_q): (&Robot, &[Vec<f64>]),
         moments: usize,
     ) -> Vec<PosePicture> {
         let last = path.time_s.len() - 1;
+        let pelvis = self.pelvis(variant);
         (0..moments)
             .map(|i| {
                 let k = i * last / (moments - 1).max(1);
@@ -175,11 +225,11 @@ impl<'a> Person<'a> {
                     n => {
                         let sum =
                             reached.iter().fold(DVector::zeros(reached[0].len()), |s, q| s + *q);
-                        self.surveyor.bones(&(sum / n as f64))
+                        self.surveyor.bones_at(&pelvis, &(sum / n as f64))
                     }
                 };
                 let robot = robot_q.get(k).map_or_else(Vec::new, |q| {
-                    stick(&self.scenario.robot, q).into_iter().map(Into::into).collect()
+                    stick(robot, q).into_iter().map(Into::into).collect()
                 });
                 PosePicture { body: self.name.clone(), time_s: path.time_s[k], bones, robot }
             })

@@ -1,27 +1,31 @@
-//! The stages in order: prepare, search, select, report.
+//! The stages in order: search, baselines, selection, report.
 
 use super::evaluate::{Person, Walks};
 use super::explain::{
     comparisons, inputs, model_summary, not_modelled, setting, verdict, worst_index,
 };
+use super::finalists::{Finalist, finalists, rest, select};
 use super::lens::lens;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
 use super::result::{
-    BodyScores, CandidateResult, Evaluated, RESULT_SCHEMA, RolloutTable, RunProvenance, RunResult,
-    Status,
+    CandidateResult, Certificate, Evaluated, RESULT_SCHEMA, RolloutTable, RunProvenance, RunResult,
+    SearchSummary, Status,
 };
+use super::resume::Checkpoint;
+use super::searches::{Searches, run_all};
+use super::space::Space;
+use crate::ergonomics::paired_difference;
 use crate::files::InputError;
-use crate::path::{CandidateSettings, candidates};
+use crate::math::stats::{mean, std_dev};
 use crate::scenario::Scenario;
 use crate::survey::Lens;
-use nalgebra::Vector3;
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Blocks of people: one for the search, one fresh for the selection, one more for the report.
-const SEARCH_BLOCK: u32 = 0;
-const SELECTION_BLOCK: u32 = 1;
+/// Blocks of people: fresh ones for the selection, and more for the report. The searches take theirs
+/// from 16 on.
+pub(super) const SELECTION_BLOCK: u32 = 1;
 const REPORT_BLOCK: u32 = 2;
 /// Moments at which postures are drawn.
 const PICTURE_MOMENTS: usize = 7;
@@ -37,10 +41,25 @@ pub struct Request {
     pub preset: Preset,
     /// Keep the sampled postures of the reported paths.
     pub keeps_rollouts: bool,
+    /// A run that was interrupted, to go on with.
+    pub resume: Option<Checkpoint>,
 }
 
-/// Told where a run stands (stage, done, total); answers whether to go on.
-pub type Stage<'a> = &'a (dyn Fn(&'static str, usize, usize) -> bool + Sync);
+/// Where a run stands.
+#[derive(Debug, Clone, Copy)]
+pub struct Step {
+    /// What is being done.
+    pub stage: &'static str,
+    /// Items done.
+    pub done: usize,
+    /// Items in all.
+    pub total: usize,
+    /// The best objective so far, in a search.
+    pub best: Option<f64>,
+}
+
+/// Told where a run stands; answers whether to go on.
+pub type Stage<'a> = &'a (dyn Fn(Step) -> bool + Sync);
 
 /// Why a run could not be made at all. A run whose paths are all infeasible is a result, not an error.
 #[derive(Debug, Error)]
@@ -48,28 +67,25 @@ pub enum PlanError {
     /// The input does not fit together.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The user interrupted.
+    /// The user interrupted; with what it takes to go on.
     #[error("interrupted; nothing was written")]
-    Interrupted,
+    Interrupted(Option<Box<Checkpoint>>),
 }
 
-/// Plans paths for a scenario and ranks them, the user's own among them.
+/// What all stages of a run share.
+pub(super) struct Environment<'a> {
+    pub scenario: &'a Scenario,
+    pub preset: &'a Preset,
+    pub workshop: &'a Workshop<'a>,
+    pub people: &'a [Person<'a>],
+    pub lens: &'a Lens,
+    pub seed: u64,
+    pub stage: Stage<'a>,
+}
+
+/// Plans paths for a scenario and ranks them, the user's own and the baselines among them.
 pub fn plan(scenario: &Scenario, request: &Request, stage: Stage) -> Result<RunResult, PlanError> {
-    let preset = &request.preset;
-    let settings = CandidateSettings {
-        vias: preset.vias,
-        named_offset_m: preset.named_offset_m,
-        sampled_offset_m: preset.sampled_offset_m,
-        samples: preset.samples,
-        generation: 0,
-    };
-    let toward_body = toward_body(scenario);
-    let mut all =
-        candidates(&settings, &scenario.start, &scenario.goal, &toward_body, request.seed);
-    all.extend(scenario.drawn.iter().cloned());
-    let workshop = Workshop::new(scenario, preset, request.seed);
-    let prepared = counted(stage, "checking paths", &all, |c| workshop.candidate(c))?;
-    run(scenario, request, stage, &workshop, prepared)
+    run(scenario, request, stage, true)
 }
 
 /// Scores the user's own paths as they are, with the straight path beside them.
@@ -83,117 +99,64 @@ pub fn assess(
             .remedy("give --path FILE, or a [[path]] with name and file in the scenario")
             .into());
     }
-    let settings = CandidateSettings { samples: 0, ..CandidateSettings::default() };
-    let toward_body = toward_body(scenario);
-    let mut all: Vec<_> =
-        candidates(&settings, &scenario.start, &scenario.goal, &toward_body, request.seed)
-            .into_iter()
-            .filter(|c| c.id == "straight")
-            .collect();
-    all.extend(scenario.drawn.iter().cloned());
-    let workshop = Workshop::new(scenario, &request.preset, request.seed);
-    let prepared = all.iter().map(|c| workshop.candidate(c)).collect();
-    run(scenario, request, stage, &workshop, prepared)
+    run(scenario, request, stage, false)
 }
 
 fn run(
     scenario: &Scenario,
     request: &Request,
     stage: Stage,
-    workshop: &Workshop,
-    mut prepared: Vec<Prepared>,
+    searches_too: bool,
 ) -> Result<RunResult, PlanError> {
     let Request { seed, preset, .. } = request;
-    prepared.extend(scenario.paths.iter().map(|p| workshop.users(p)));
     let people = Person::all(scenario)?;
     let lens = lens(scenario);
-    let evaluator = Evaluator { people: &people, lens: &lens, scenario, seed: *seed };
-
-    // Search: few people on every path.
-    let walkable: Vec<usize> = (0..prepared.len()).filter(|&i| prepared[i].is_walkable()).collect();
-    let searched = counted(stage, "searching", &walkable, |&i| {
-        evaluator.scores(&prepared[i], SEARCH_BLOCK, preset.rollouts_search)
-    })?;
-    for (&i, scores) in walkable.iter().zip(&searched) {
-        prepared[i].refuse_if_nobody_reaches(scores);
-    }
-    let mut order: Vec<(usize, f64)> = walkable
-        .iter()
-        .zip(&searched)
-        .filter(|(i, _)| prepared[**i].is_walkable())
-        .map(|(&i, s)| (i, objective(preset, s)))
-        .collect();
-    order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-
-    // Selection: the shortlist, the straight path and the user's own, on fresh people.
-    let is_kept = |i: usize| {
-        let p = &prepared[i];
-        p.is_users || p.id == "straight" || scenario.drawn.iter().any(|d| d.id == p.id)
+    let workshop = Workshop::new(scenario, preset, *seed);
+    let environment = Environment {
+        scenario,
+        preset,
+        workshop: &workshop,
+        people: &people,
+        lens: &lens,
+        seed: *seed,
+        stage,
     };
-    let shortlist: Vec<usize> = order
-        .iter()
-        .enumerate()
-        .filter(|(n, (i, _))| *n < preset.shortlist || is_kept(*i))
-        .map(|(_, (i, _))| *i)
-        .collect();
-    let selected = counted(stage, "selecting", &shortlist, |&i| {
-        evaluator.scores(&prepared[i], SELECTION_BLOCK, preset.rollouts_final)
-    })?;
-    let mut ranked: Vec<(usize, f64)> =
-        shortlist.iter().zip(&selected).map(|(&i, s)| (i, objective(preset, s))).collect();
-    ranked.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-
-    // Report: one more block of people, which has chosen nothing.
-    let finalists: Vec<usize> = ranked.iter().map(|(i, _)| *i).collect();
-    let reported = counted(stage, "reporting", &finalists, |&i| {
-        evaluator.report(&prepared[i], preset.rollouts_final)
-    })?;
-    let mut results: Vec<CandidateResult> = Vec::new();
+    let space = Space::new(scenario, preset);
+    let searches =
+        if searches_too { run_all(&environment, &space, request)? } else { Searches::default() };
+    let pool = finalists(&environment, &space, &searches)?;
+    let chosen = select(&environment, pool)?;
+    let mut candidates = Vec::new();
     // The best path's walks of the body that scores worst: the one of the verdict.
-    let mut best_walks: Option<Walks> = None;
+    let mut best: Option<(Walks, &Finalist)> = None;
     let mut rollouts = Vec::new();
-    for ((&(i, value), (mut result, walks)), rank) in ranked.iter().zip(reported).zip(1..) {
+    let walkable: Vec<&Finalist> = chosen.iter().filter(|f| f.value.is_some()).collect();
+    let reported = counted(&environment, "reporting", (0, walkable.len(), None), &walkable, |f| {
+        environment.report(&f.prepared, preset.rollouts_final)
+    })?;
+    for ((finalist, (mut result, walks)), rank) in walkable.into_iter().zip(reported).zip(1..) {
         result.rank = Some(rank);
-        result.objective = Some(value);
+        result.objective = finalist.value;
         if request.keeps_rollouts {
-            rollouts.extend(evaluator.tables(&prepared[i], &walks, rank));
+            rollouts.extend(environment.tables(&finalist.prepared, &walks, rank));
         }
-        if best_walks.is_none() && result.status == Status::Feasible {
+        if best.is_none() && result.status == Status::Feasible {
             let worst = worst_index(&result.bodies);
-            best_walks = worst.and_then(|i| walks.into_iter().nth(i));
+            best = worst.and_then(|i| walks.into_iter().nth(i)).map(|w| (w, finalist));
         }
-        results.push(result);
+        candidates.push(result);
     }
-    // The others keep the order of the search.
-    let rest = order.iter().filter(|(i, _)| !finalists.contains(i));
-    for ((i, value), rank) in rest.zip(results.len() + 1..) {
-        let at = walkable.iter().position(|w| w == i).unwrap_or_default();
-        let mut result = bare(&prepared[*i], Evaluated::Search);
-        result.bodies.clone_from(&searched[at]);
-        result.rank = Some(rank);
-        result.objective = Some(*value);
-        results.push(result);
-    }
-    for p in prepared.iter().filter(|p| !p.is_walkable()) {
-        results.push(bare(p, Evaluated::None));
-    }
-    let mut result = assemble(scenario, request, &lens, results, best_walks.as_ref());
-    result.rollouts = rollouts;
-    Ok(result)
-}
-
-fn assemble(
-    scenario: &Scenario,
-    request: &Request,
-    lens: &Lens,
-    candidates: Vec<CandidateResult>,
-    best_walks: Option<&Walks>,
-) -> RunResult {
+    candidates.extend(
+        chosen.iter().filter(|f| f.value.is_none()).map(|f| bare(&f.prepared, Evaluated::None)),
+    );
+    let ids: Vec<String> = candidates.iter().map(|c| c.id.clone()).collect();
+    candidates.extend(rest(&searches, &space, &ids));
+    let certificate = best.as_ref().map(|(_, f)| certificate(&environment, f));
+    let inputs = inputs(scenario, &lens, best.as_ref().map(|b| &b.0));
     let comparisons = comparisons(&candidates);
-    let inputs = inputs(scenario, lens, best_walks);
-    RunResult {
+    Ok(RunResult {
         schema: RESULT_SCHEMA,
-        provenance: provenance(scenario, request, lens),
+        provenance: provenance(scenario, request, &lens),
         verdict: verdict(scenario, &candidates, &comparisons, &inputs),
         comparisons,
         inputs,
@@ -201,44 +164,64 @@ fn assemble(
         posture_model: model_summary(scenario),
         warnings: scenario.warnings.clone(),
         not_modelled: not_modelled(scenario),
-        planner: request.preset.clone(),
-        rollouts: Vec::new(),
+        planner: preset.clone(),
+        search: searches.summary(),
+        certificate,
+        rollouts,
         candidates,
+    })
+}
+
+impl Searches {
+    /// What was searched, for the record.
+    fn summary(&self) -> Vec<SearchSummary> {
+        let of = |(name, state): &(String, super::search::SearchState)| {
+            let refused = state.tried.iter().filter(|t| t.refused.is_some()).count();
+            SearchSummary { name: name.clone(), paths: state.tried.len(), infeasible: refused }
+        };
+        self.done.iter().map(of).collect()
+    }
+}
+
+/// The best path among people of another seed.
+fn certificate(environment: &Environment, best: &Finalist) -> Certificate {
+    let count = environment.preset.rollouts_final;
+    let rula = |seed: u64| {
+        let bodies = environment.figures(&best.prepared, (seed, REPORT_BLOCK), 0..count);
+        let worst = bodies.into_iter().max_by(|a, b| mean(&a.rula).total_cmp(&mean(&b.rula)));
+        worst.map(|b| b.rula).unwrap_or_default()
+    };
+    let (own, other) = (rula(environment.seed), rula(environment.seed.wrapping_add(1)));
+    let error = |x: &[f64]| std_dev(x) / (x.len() as f64).sqrt();
+    let unpaired = paired_difference(&other, &own);
+    Certificate {
+        expected_rula: mean(&own),
+        expected_rula_other_seed: mean(&other),
+        half_width95: 1.96 * error(&own).hypot(error(&other)),
+        people: unpaired.n,
     }
 }
 
 fn provenance(scenario: &Scenario, request: &Request, lens: &Lens) -> RunProvenance {
-    let mut inputs = vec![(scenario.file.clone(), scenario.sha256.clone())];
-    inputs.push((scenario.worker.model.name.clone(), scenario.worker.model_sha256.clone()));
-    inputs.extend(scenario.worker.bodies.iter().map(|b| (b.name.clone(), b.sha256())));
-    inputs.extend(scenario.paths.iter().map(|p| (p.name.clone(), p.sha256.clone())));
     RunProvenance {
         program_version: env!("CARGO_PKG_VERSION"),
         command: request.command.clone(),
         seed: request.seed,
-        inputs,
+        inputs: inputs_of(scenario),
         score_profile: lens.profile.name.to_owned(),
     }
 }
 
-/// Evaluates paths for all bodies.
-struct Evaluator<'a> {
-    people: &'a [Person<'a>],
-    lens: &'a Lens,
-    scenario: &'a Scenario,
-    seed: u64,
+/// (name, SHA-256) of every input of a run.
+pub(super) fn inputs_of(scenario: &Scenario) -> Vec<(String, String)> {
+    let mut inputs = vec![(scenario.file.clone(), scenario.sha256.clone())];
+    inputs.push((scenario.worker.model.name.clone(), scenario.worker.model_sha256.clone()));
+    inputs.extend(scenario.worker.bodies.iter().map(|b| (b.name.clone(), b.sha256())));
+    inputs.extend(scenario.paths.iter().map(|p| (p.name.clone(), p.sha256.clone())));
+    inputs
 }
 
-impl Evaluator<'_> {
-    fn scores(&self, prepared: &Prepared, block: u32, count: usize) -> Vec<BodyScores> {
-        let Some(path) = &prepared.path else { return Vec::new() };
-        let of = |p: &Person| {
-            let walks = p.walk(path, (self.seed, block), count);
-            walks.summary(&p.name, self.lens, self.scenario.worker.other_arm)
-        };
-        self.people.iter().filter_map(of).collect()
-    }
-
+impl Environment<'_> {
     /// The sampled postures of all bodies along a path.
     fn tables(&self, prepared: &Prepared, walks: &[Walks], rank: usize) -> Vec<RolloutTable> {
         let Some(path) = &prepared.path else { return Vec::new() };
@@ -254,11 +237,19 @@ impl Evaluator<'_> {
         if let Some(path) = &prepared.path {
             result.path = prepared.data(self.scenario);
             let robot_q = result.path.as_ref().map(|p| p.robot_q.clone()).unwrap_or_default();
+            let robot = self.workshop.robot_of(&prepared.variant);
+            let at = (path, &prepared.variant);
             for person in self.people {
-                let walks = person.walk(path, (self.seed, REPORT_BLOCK), count);
+                let walks =
+                    person.walk(path, &prepared.variant, (self.seed, REPORT_BLOCK), 0..count);
                 let other_arm = self.scenario.worker.other_arm;
                 result.bodies.extend(walks.summary(&person.name, self.lens, other_arm));
-                result.poses.extend(person.pictures(&walks, path, &robot_q, PICTURE_MOMENTS));
+                result.poses.extend(person.pictures(
+                    &walks,
+                    at,
+                    (&robot, &robot_q),
+                    PICTURE_MOMENTS,
+                ));
                 all.push(walks);
             }
         }
@@ -282,38 +273,20 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
     }
 }
 
-/// The preset's objective for the worst body.
-fn objective(preset: &Preset, bodies: &[BodyScores]) -> f64 {
-    let o = &preset.objective;
-    let of = |b: &BodyScores| {
-        o.expected_rula * b.rula.expected
-            + o.expected_reba * b.reba.expected
-            + o.cvar90_rula * b.rula.cvar90
-            + o.exposure_rula_5 * b.rula.exposure.get(5).copied().unwrap_or(0.0)
-    };
-    bodies.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// Horizontal direction from the middle of the task to the worker.
-fn toward_body(scenario: &Scenario) -> Vector3<f64> {
-    let middle = (scenario.start.translation.vector + scenario.goal.translation.vector) * 0.5;
-    let [x, y] = scenario.worker.at_m;
-    let to = Vector3::new(x - middle.x, y - middle.y, 0.0);
-    // Standing on top of the task: backwards is towards the body.
-    let back = Vector3::new(-scenario.worker.facing.cos(), -scenario.worker.facing.sin(), 0.0);
-    if to.norm() > 1e-3 { to.normalize() } else { back }
-}
-
 /// Parallel map in order, with progress; ends early when the user interrupts.
-fn counted<T: Sync, R: Send>(
-    stage: Stage,
-    name: &'static str,
+pub(super) fn counted<T: Sync, R: Send>(
+    environment: &Environment,
+    stage: &'static str,
+    (before, total, best): (usize, usize, Option<f64>),
     items: &[T],
     work: impl Fn(&T) -> R + Sync,
 ) -> Result<Vec<R>, PlanError> {
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let go_on = |n: usize| stage(name, n, items.len()).then_some(()).ok_or(PlanError::Interrupted);
-    go_on(0)?;
+    let done = std::sync::atomic::AtomicUsize::new(before);
+    let go_on = |done: usize| {
+        let step = Step { stage, done, total, best };
+        (environment.stage)(step).then_some(()).ok_or(PlanError::Interrupted(None))
+    };
+    go_on(before)?;
     items
         .par_iter()
         .map(|item| {

@@ -1,17 +1,18 @@
 //! From a candidate to a path that may be walked: QP, robot, obstacles; or the reason why not.
 
+use super::objective::Figures;
 use super::preset::Preset;
-use super::result::{BodyScores, PathData, Status};
+use super::result::{PathData, Status};
 use crate::math::Pose;
 use crate::path::{
     Candidate, Check, Family, Projection, ProjectionSettings, Verification, project,
     reference_path, verify, verify_samples,
 };
 use crate::robot::{
-    Follow, FollowSettings, RobotMotion, Starts, check_joint_path, follow_from, min_clearance,
-    start_postures,
+    Follow, FollowSettings, Robot, RobotMotion, Starts, check_joint_path, follow_from,
+    min_clearance, start_postures,
 };
-use crate::scenario::{Scenario, UserPath};
+use crate::scenario::{Scenario, UserPath, Variant};
 use crate::trajectory::TimedPath;
 
 /// Distance to obstacles below which a path is refused, m.
@@ -21,6 +22,8 @@ const SMALLEST_CLEARANCE_M: f64 = 0.0;
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     pub id: String,
+    /// Where it starts and ends, who stands where.
+    pub variant: Variant,
     pub family: Family,
     pub vias_m: Vec<[f64; 3]>,
     pub status: Status,
@@ -30,6 +33,9 @@ pub(super) struct Prepared {
     pub robot: Option<RobotMotion>,
     pub clearance: Option<(f64, String)>,
     pub moved_m: f64,
+    /// How far it is from being feasible, to order what is refused: m of an obstacle's depth, or by
+    /// the stage that refused it.
+    pub severity: f64,
     /// Given by the user: kept and marked rather than refused.
     pub is_users: bool,
 }
@@ -49,10 +55,18 @@ impl<'a> Workshop<'a> {
         Self { scenario, preset, follow, robot_starts }
     }
 
+    /// The robot where a variant puts it.
+    pub(super) fn robot_of(&self, variant: &Variant) -> Robot {
+        let mut robot = self.scenario.robot.clone();
+        robot.base = variant.base;
+        robot
+    }
+
     /// A planned candidate: projected to feasibility, or refused with the reason.
-    pub(super) fn candidate(&self, candidate: &Candidate) -> Prepared {
+    pub(super) fn candidate(&self, candidate: &Candidate, variant: &Variant) -> Prepared {
         let mut prepared = Prepared {
             id: candidate.id.clone(),
+            variant: variant.clone(),
             family: candidate.family,
             vias_m: candidate.vias.iter().map(|v| (*v).into()).collect(),
             status: Status::Feasible,
@@ -61,11 +75,17 @@ impl<'a> Workshop<'a> {
             robot: None,
             clearance: None,
             moved_m: 0.0,
+            severity: 0.0,
             is_users: false,
         };
         let s = self.scenario;
-        let reference =
-            reference_path(candidate, &s.start, &s.goal, s.duration_s, self.preset.steps);
+        let reference = reference_path(
+            candidate,
+            &variant.start,
+            &variant.goal,
+            variant.duration_s,
+            self.preset.steps,
+        );
         let settings = ProjectionSettings { steps: self.preset.steps, ..Default::default() };
         let projection = match reference {
             Ok(reference) => project(&reference, &s.limits, &settings),
@@ -91,8 +111,16 @@ impl<'a> Workshop<'a> {
     }
 
     fn with_robot(&self, mut prepared: Prepared, path: TimedPath) -> Prepared {
-        let robot = &self.scenario.robot;
-        let starts = &self.robot_starts.postures;
+        let s = self.scenario;
+        let (moved, new_starts);
+        let is_moved = prepared.variant.base != s.robot.base || prepared.variant.start != s.start;
+        let (robot, starts) = if is_moved {
+            moved = self.robot_of(&prepared.variant);
+            new_starts = start_postures(&moved, &prepared.variant.start, &self.follow).postures;
+            (&moved, &new_starts)
+        } else {
+            (&s.robot, &self.robot_starts.postures)
+        };
         // Few starts first: most paths need no more, and tracking is the cost.
         let few = starts.len().min(2);
         let first = follow_from(robot, &path.time_s, &path.poses, &starts[..few], &self.follow);
@@ -104,7 +132,7 @@ impl<'a> Workshop<'a> {
         };
         match follow {
             Follow::Feasible(motion) => {
-                prepared.clearance = self.clearance(&motion);
+                prepared.clearance = self.clearance(robot, &motion);
                 prepared.robot = Some(motion);
                 prepared.path = Some(path);
             }
@@ -120,11 +148,11 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    fn clearance(&self, motion: &RobotMotion) -> Option<(f64, String)> {
+    fn clearance(&self, robot: &Robot, motion: &RobotMotion) -> Option<(f64, String)> {
         let found = motion
             .q
             .iter()
-            .filter_map(|q| min_clearance(&self.scenario.robot, q, &self.scenario.obstacles))
+            .filter_map(|q| min_clearance(robot, q, &self.scenario.obstacles))
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))?;
         Some((found.distance_m, format!("link `{}` and obstacle `{}`", found.link, found.obstacle)))
     }
@@ -137,6 +165,7 @@ impl<'a> Workshop<'a> {
             checks.iter().filter(|c| !c.is_met()).map(Check::sentence).collect();
         let mut prepared = Prepared {
             id: user.name.clone(),
+            variant: s.nominal(),
             family: Family::Drawn,
             vias_m: Vec::new(),
             status: Status::Feasible,
@@ -145,6 +174,7 @@ impl<'a> Workshop<'a> {
             robot: None,
             clearance: None,
             moved_m: 0.0,
+            severity: 0.0,
             is_users: true,
         };
         let step = s.duration_s / self.preset.steps as f64;
@@ -158,7 +188,7 @@ impl<'a> Workshop<'a> {
             Some(q) => match check_joint_path(&s.robot, &user.path.time_s, q) {
                 Ok(check) => {
                     violations.extend(check.violations.iter().map(ToString::to_string));
-                    prepared.clearance = self.clearance(&check.motion);
+                    prepared.clearance = self.clearance(&s.robot, &check.motion);
                     let q = at_times(&user.path.time_s, q, &path.time_s);
                     prepared.robot = Some(RobotMotion { q, ..check.motion });
                 }
@@ -166,7 +196,7 @@ impl<'a> Workshop<'a> {
             },
             None => match self.follow_users(&path) {
                 Follow::Feasible(motion) => {
-                    prepared.clearance = self.clearance(&motion);
+                    prepared.clearance = self.clearance(&s.robot, &motion);
                     prepared.robot = Some(motion);
                 }
                 Follow::Infeasible { reason, .. } => violations.push(reason),
@@ -192,19 +222,34 @@ impl<'a> Workshop<'a> {
 }
 
 impl Prepared {
+    /// Length of the way of the TCP, m; none without a path.
+    pub(super) fn length_m(&self) -> Option<f64> {
+        let poses = &self.path.as_ref()?.poses;
+        let chord = |w: &[Pose]| (w[1].translation.vector - w[0].translation.vector).norm();
+        Some(poses.windows(2).map(chord).sum())
+    }
+
     fn refused(mut self, stage: &str, reason: String) -> Self {
+        self.severity = match (stage, &self.clearance) {
+            ("obstacle", Some((distance, _))) => -distance,
+            ("worker", _) => 1.0,
+            ("robot", _) => 2.0,
+            _ => 3.0,
+        };
         self.status = Status::Infeasible { stage: stage.to_owned(), reason };
         self
     }
 
     /// A path that nobody of some body size can follow to the end is no path; the user's own is only
     /// marked.
-    pub(super) fn refuse_if_nobody_reaches(&mut self, bodies: &[BodyScores]) {
-        let Some(lost) = bodies.iter().find(|b| b.reach_exceeded >= 1.0) else { return };
+    pub(super) fn refuse_if_nobody_reaches(&mut self, bodies: &[&str], figures: &[Figures]) {
+        let all_lost = |f: &Figures| !f.lost.is_empty() && f.lost.iter().all(|l| *l > 0.0);
+        let Some((body, lost)) = bodies.iter().zip(figures).find(|(_, f)| all_lost(f)) else {
+            return;
+        };
         let reason = format!(
-            "body `{}` cannot follow: the reach is exceeded from {:.2} s on in every rollout",
-            lost.body,
-            lost.reach_exceeded_from_s.unwrap_or(0.0)
+            "body `{body}` cannot follow: the reach is exceeded from {:.2} s on in every rollout",
+            lost.lost_from_s.unwrap_or(0.0)
         );
         match &mut self.status {
             Status::Marked { violations } => violations.push(reason),

@@ -24,21 +24,31 @@ pub struct Preset {
     pub named_offset_m: f64,
     /// Typical bend of sampled candidates, m (root mean square at mid-path).
     pub sampled_offset_m: f64,
-    /// Sampled candidates.
-    pub samples: usize,
+    /// Paths of a generation of the search.
+    pub population: usize,
+    /// Generations of the search.
+    pub generations: usize,
+    /// Fresh starts within the generations.
+    pub runs: usize,
+    /// Generations of each baseline that searches: random, and the two with a single posture.
+    pub baseline_generations: usize,
     /// Time steps of a path.
     pub steps: usize,
-    /// People per candidate in the search.
-    pub rollouts_search: usize,
-    /// Candidates that enter the selection.
+    /// People that every path of a generation meets.
+    pub rollouts_first: usize,
+    /// People that the best of a generation meet.
+    pub rollouts_most: usize,
+    /// Paths that enter the selection on fresh people.
     pub shortlist: usize,
-    /// People in the selection and in the report.
+    /// Of these, paths that are reported.
+    pub reported: usize,
+    /// People in the last round of the selection, and in the report.
     pub rollouts_final: usize,
     /// What is made small.
     pub objective: Objective,
 }
 
-/// Weights of the objective.
+/// Weights of the objective: one or more of scores, and secondary terms.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Objective {
@@ -50,6 +60,25 @@ pub struct Objective {
     pub cvar90_rula: f64,
     /// Of the share of time at RULA 5 or more.
     pub exposure_rula_5: f64,
+    /// Of the share of people at RULA 5 or more for at least half a second.
+    #[serde(default)]
+    pub p_level_3: f64,
+    /// Of the root mean square joint speed of the person, per rad/s.
+    #[serde(default)]
+    pub effort: f64,
+    /// Of the duration over the scenario's, where it is free.
+    #[serde(default)]
+    pub duration: f64,
+    /// Of the missing share of the wanted clearance between robot and obstacles.
+    #[serde(default)]
+    pub clearance: f64,
+    /// The wanted clearance, m.
+    #[serde(default = "wanted")]
+    pub clearance_wanted_m: f64,
+}
+
+fn wanted() -> f64 {
+    0.05
 }
 
 /// Names of the shipped presets.
@@ -79,13 +108,20 @@ fn parse(path: &Path, text: &str) -> Result<Preset, InputError> {
         return Err(InputError::new(path, format!("schema is not `{SCHEMA}`")));
     }
     let o = &preset.objective;
-    let weights = [o.expected_rula, o.expected_reba, o.cvar90_rula, o.exposure_rula_5];
+    let of_scores =
+        [o.expected_rula, o.expected_reba, o.cvar90_rula, o.exposure_rula_5, o.p_level_3];
+    let secondary = [o.effort, o.duration, o.clearance];
     let counts = [
         ("vias", preset.vias, 1, 8),
-        ("samples", preset.samples, 0, 100_000),
+        ("population", preset.population, 4, 1000),
+        ("generations", preset.generations, 1, 4000),
+        ("runs", preset.runs, 1, preset.generations.max(1)),
+        ("baseline_generations", preset.baseline_generations, 1, 4000),
         ("steps", preset.steps, 10, 1000),
-        ("rollouts_search", preset.rollouts_search, 1, 10_000),
+        ("rollouts_first", preset.rollouts_first, 1, 10_000),
+        ("rollouts_most", preset.rollouts_most, preset.rollouts_first, 10_000),
         ("shortlist", preset.shortlist, 1, 1000),
+        ("reported", preset.reported, 1, preset.shortlist),
         ("rollouts_final", preset.rollouts_final, 2, 100_000),
     ];
     for (key, value, low, high) in counts {
@@ -101,9 +137,16 @@ fn parse(path: &Path, text: &str) -> Result<Preset, InputError> {
             return Err(InputError::new(path, format!("{key} = {value} is outside 0 to 2 m")));
         }
     }
-    if !weights.iter().all(|w| (0.0..=1e6).contains(w)) || weights.iter().sum::<f64>() <= 0.0 {
+    let is_weight = |w: &f64| (0.0..=1e6).contains(w);
+    if !of_scores.iter().chain(&secondary).all(is_weight) || of_scores.iter().sum::<f64>() <= 0.0 {
+        let weights = [&of_scores[..], &secondary].concat();
         return Err(InputError::new(path, format!("objective weights {weights:?} are not usable"))
-            .remedy("weights are 0 or more, and at least one is above 0"));
+            .remedy("weights are 0 or more, and at least one of a score is above 0"));
+    }
+    if !(1e-3..=1.0).contains(&o.clearance_wanted_m) {
+        let message =
+            format!("clearance_wanted_m = {} is outside 0.001 to 1", o.clearance_wanted_m);
+        return Err(InputError::new(path, message));
     }
     Ok(preset)
 }

@@ -38,9 +38,37 @@ pub struct RunResult {
     pub not_modelled: Vec<String>,
     /// The planner's settings.
     pub planner: Preset,
+    /// What was searched.
+    pub search: Vec<SearchSummary>,
+    /// How far the best path's figures can be trusted; none without a feasible path.
+    pub certificate: Option<Certificate>,
     /// The sampled postures themselves, on request; written to files of their own.
     #[serde(skip)]
     pub rollouts: Vec<RolloutTable>,
+}
+
+/// One search of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct SearchSummary {
+    /// Its name.
+    pub name: String,
+    /// Paths that it tried.
+    pub paths: usize,
+    /// Of these, paths that were refused.
+    pub infeasible: usize,
+}
+
+/// The best path among people that another seed draws (worst body).
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Certificate {
+    /// Expected RULA among the reported people.
+    pub expected_rula: f64,
+    /// Expected RULA among as many people of the next seed.
+    pub expected_rula_other_seed: f64,
+    /// Half width of the 95 % interval of their difference.
+    pub half_width95: f64,
+    /// People of each.
+    pub people: usize,
 }
 
 /// The sampled postures of one body along one path.

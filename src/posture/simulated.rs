@@ -167,7 +167,8 @@ fn posture_law(
             for sideways in [-0.08, 0.03, 0.14, 0.24] {
                 let at = Vec3::new(forward * h, up * h, out * sideways * h);
                 let hand = Pose::from_parts(at.into(), grip_orientation());
-                let start = start_postures(coupling, postures, &StartRule::Mean, &hand, (0, 0), 1);
+                let start =
+                    start_postures(coupling, postures, &StartRule::Mean, &hand, (0, 0), 0..1);
                 if let Some(q) = start.into_iter().next().and_then(|s| s.q) {
                     hands.push(hand);
                     rows.push(q.transpose());

@@ -13,6 +13,7 @@ use crate::kinematics::Frames;
 use crate::math::Pose;
 use crate::math::stream::{Purpose, normals, stream};
 use nalgebra::DVector;
+use std::ops::Range;
 
 /// Residual of the hand (m and rad) at which a start posture is accepted.
 const TOLERANCE: f64 = 1e-8;
@@ -47,7 +48,7 @@ pub struct Start {
     pub is_unusual: bool,
 }
 
-/// `count` start postures for a hand pose (pelvis frame). Draw r depends on (seed, block, r) and on
+/// Start postures of some people for a hand pose (pelvis frame). Draw r depends on (seed, block, r) and on
 /// the start pose only, so every path from the same start meets the same people.
 pub fn start_postures(
     coupling: &Coupling,
@@ -55,11 +56,11 @@ pub fn start_postures(
     rule: &StartRule,
     hand: &Pose,
     (seed, block): (u64, u32),
-    count: usize,
+    people: Range<usize>,
 ) -> Vec<Start> {
     let factor = postures.covariance.clone().cholesky();
     let n = postures.mean.len();
-    (0..count)
+    people
         .map(|r| {
             let wish = match (rule, &factor) {
                 (StartRule::Given(q), _) => DVector::from_vec(q.clone()),

@@ -319,10 +319,10 @@ fn planner(view: &View) -> Markup {
         dl.pairs {
             dt { "Made small" } dd { (sum.join(" + ")) }
             dt { "Candidates" }
-            dd { (s.samples) " drawn at random with " (s.vias) " via-points (typical bend " (s.sampled_offset_m) " m), beside the named ones (bend " (s.named_offset_m) " m)" }
+            dd { (s.population * s.generations) " in " (s.generations) " generations, with " (s.vias) " via-points each (first typical bend " (s.sampled_offset_m) " m), beside the named ones (bend " (s.named_offset_m) " m)" }
             dt { "Steps of a path" } dd { (s.steps) }
             dt { "People" }
-            dd { (s.rollouts_search) " per path in the search, " (s.rollouts_final) " in the selection and, fresh ones, in this report" }
+            dd { (s.rollouts_first) " to " (s.rollouts_most) " per path in the search, " (s.rollouts_final) " in the selection and, fresh ones, in this report" }
             dt { "Shortlist" } dd { (s.shortlist) " paths, and always the straight path and your own" }
         }
     }

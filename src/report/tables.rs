@@ -76,6 +76,12 @@ fn family_name(family: Family) -> &'static str {
         Family::Away => "away",
         Family::Sampled => "sampled",
         Family::Drawn => "drawn",
+        Family::ExpertArc => "expert_arc",
+        Family::Shortest => "shortest",
+        Family::BestRandom => "best_random",
+        Family::SinglePosturePlain => "single_posture_plain",
+        Family::SinglePostureLearned => "single_posture_learned",
+        Family::Held => "held",
     }
 }
 

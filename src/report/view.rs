@@ -82,8 +82,14 @@ pub(super) fn family_words(family: Family) -> &'static str {
         Family::Lowered => "under the straight line",
         Family::TowardBody => "nearer to the body",
         Family::Away => "farther from the body",
-        Family::Sampled => "sampled at random",
+        Family::Sampled => "found by the search",
         Family::Drawn => "your own",
+        Family::ExpertArc => "an expert's arc",
+        Family::Shortest => "shortest feasible",
+        Family::BestRandom => "best of random paths",
+        Family::SinglePosturePlain => "planned with one posture, plain pseudo-inverse",
+        Family::SinglePostureLearned => "planned with one posture, learned",
+        Family::Held => "searched with less freedom",
     }
 }
 

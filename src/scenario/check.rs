@@ -3,6 +3,7 @@
 use super::SCENARIO_SCHEMA;
 use super::cell::{resolve_grip, resolve_limits, resolve_obstacle, resolve_robot};
 use super::file::{ScenarioFile, TaskFile};
+use super::freedom::{Freedoms, resolve_free};
 use super::paths::{UserPath, read_user_path};
 use super::source::Source;
 use super::task::Task;
@@ -52,6 +53,8 @@ pub struct Scenario {
     pub paths: Vec<UserPath>,
     /// The designer's own via-points.
     pub drawn: Vec<Candidate>,
+    /// What the planner may choose besides the path.
+    pub free: Freedoms,
     /// What the reader should know, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -71,6 +74,7 @@ pub(super) fn resolve(
     let (limits, assumed_limits) = resolve_limits(source, &file.limits, file.workspace.as_ref())?;
     let duration_s = source.number(&file.motion.duration_s, "motion.duration_s", 0.05, 600.0)?;
     let (start, goal) = (source.pose(&file.start, "start")?, source.pose(&file.goal, "goal")?);
+    let free = resolve_free(source, &file.free, &start, &goal)?;
     let (mut paths, mut drawn_paths) = (Vec::new(), Vec::new());
     for entry in &file.path {
         let path = entry.get_ref();
@@ -121,6 +125,7 @@ pub(super) fn resolve(
         task,
         paths,
         drawn: drawn_paths,
+        free,
         warnings,
     })
 }

@@ -30,6 +30,28 @@ pub(super) struct ScenarioFile {
     pub task: TaskFile,
     #[serde(default)]
     pub path: Vec<Spanned<PathFile>>,
+    #[serde(default)]
+    pub free: FreeFile,
+}
+
+/// What the planner may choose besides the path. Boxes are half widths about the scenario's value.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FreeFile {
+    pub start_places: Vec<PoseFile>,
+    pub start_box_m: Option<[f64; 3]>,
+    pub start_yaw_deg: Option<[f64; 2]>,
+    pub start_roll_deg: Option<[f64; 2]>,
+    pub goal_places: Vec<PoseFile>,
+    pub goal_box_m: Option<[f64; 3]>,
+    pub goal_yaw_deg: Option<[f64; 2]>,
+    pub goal_roll_deg: Option<[f64; 2]>,
+    pub grip_roll_deg: Option<[f64; 2]>,
+    pub robot_base_m: Option<[f64; 3]>,
+    pub robot_base_yaw_deg: Option<[f64; 2]>,
+    pub worker_at_m: Option<[f64; 2]>,
+    pub worker_facing_deg: Option<[f64; 2]>,
+    pub duration_s: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Deserialize)]

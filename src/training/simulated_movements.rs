@@ -146,7 +146,8 @@ impl SimulatedMovements {
             })
             .collect();
         let rule = StartRule::Sampled;
-        let starts = start_postures(coupling, &operator.postures, &rule, &from, (*seed, draw), 1);
+        let starts =
+            start_postures(coupling, &operator.postures, &rule, &from, (*seed, draw), 0..1);
         let start = starts.first().filter(|s| s.q.is_some() && !s.is_unusual)?;
         let sampler = Sampler::new(&operator.law, Sampling::Pathwise)?;
         let person = sampler.draw(&mut rng, times.len(), 1.0 / RATE_HZ);

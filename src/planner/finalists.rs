@@ -1,0 +1,222 @@
+//! From the searches to the paths that are reported: ours, the baselines and the user's own.
+
+use super::objective::{Figures, objective};
+use super::pipeline::{Environment, PlanError, SELECTION_BLOCK, counted};
+use super::prepare::Prepared;
+use super::result::{CandidateResult, Evaluated, Status};
+use super::search::{SearchState, Tried};
+use super::searches::{LEARNED, OURS, PLAIN, RANDOM, Searches, WITHOUT};
+use super::space::Space;
+use crate::path::Family;
+use rayon::prelude::*;
+
+/// Distance (white units) within which two points are the same path.
+const SAME_PATH: f64 = 0.05;
+/// People in the first round of the selection; each round has twice as many for half the paths.
+const FIRST_ROUND: usize = 32;
+
+/// A path that stands for selection.
+#[derive(Debug, Clone)]
+pub(super) struct Finalist {
+    pub prepared: Prepared,
+    /// Not one of ours: reported whatever its figures are.
+    pub is_kept: bool,
+    /// The objective on the selection's people; none when nobody can be sent along it.
+    pub value: Option<f64>,
+}
+
+/// The pool: the best of our search, every baseline, the user's own paths.
+pub(super) fn finalists(
+    environment: &Environment,
+    space: &Space,
+    searches: &Searches,
+) -> Result<Vec<Finalist>, PlanError> {
+    let preset = environment.preset;
+    let workshop = environment.workshop;
+    let kept = |mut prepared: Prepared, id: &str, family: Family| {
+        (prepared.id, prepared.family) = (id.to_owned(), family);
+        Finalist { prepared, is_kept: true, value: None }
+    };
+    let mut pool = Vec::new();
+    if let Some(state) = searches.of(OURS) {
+        pool.extend(ours(environment, space, state, preset.shortlist)?);
+    }
+    for choice in space.named() {
+        let is_ours = matches!(choice.candidate.family, Family::Straight | Family::ExpertArc);
+        if is_ours && (choice.candidate.family == Family::Straight || !searches.done.is_empty()) {
+            let prepared = workshop.candidate(&choice.candidate, &choice.variant);
+            pool.push(Finalist { prepared, is_kept: true, value: None });
+        }
+    }
+    let first = |name: &str, space: &Space| {
+        let state = searches.of(name)?;
+        let best = state.best(1, preset.rollouts_most, SAME_PATH);
+        decoded(environment, space, best.first()?)
+    };
+    for (name, id, family) in [
+        (RANDOM, "best_random", Family::BestRandom),
+        (PLAIN, "single_posture_plain", Family::SinglePosturePlain),
+        (LEARNED, "single_posture_learned", Family::SinglePostureLearned),
+    ] {
+        pool.extend(first(name, space).map(|p| kept(p, id, family)));
+    }
+    for name in environment.scenario.free.names() {
+        let id = format!("{WITHOUT}{name}");
+        let narrow = space.without(name);
+        let best = searches
+            .of(&id)
+            .map(|state| ours(environment, &narrow, state, preset.shortlist))
+            .transpose()?;
+        if let Some(best) = best.map(|pool| select(environment, pool)).transpose()?
+            && let Some(best) = best.into_iter().find(|f| f.value.is_some())
+        {
+            pool.push(kept(best.prepared, &id, Family::Held));
+        }
+    }
+    pool.extend(shortest(environment, space, searches, &pool));
+    let drawn = environment.scenario.drawn.iter();
+    let nominal = environment.scenario.nominal();
+    pool.extend(drawn.map(|d| Finalist {
+        prepared: workshop.candidate(d, &nominal),
+        is_kept: true,
+        value: None,
+    }));
+    let users = environment.scenario.paths.iter();
+    pool.extend(users.map(|p| Finalist {
+        prepared: workshop.users(p),
+        is_kept: true,
+        value: None,
+    }));
+    Ok(pool)
+}
+
+/// The best points of a search and its last centre.
+fn ours(
+    environment: &Environment,
+    space: &Space,
+    state: &SearchState,
+    count: usize,
+) -> Result<Vec<Finalist>, PlanError> {
+    let centre = Tried::at("centre", state.centre());
+    let best = state.best(count.saturating_sub(1), environment.preset.rollouts_most / 2, SAME_PATH);
+    let points: Vec<&Tried> = best.into_iter().chain([&centre]).collect();
+    let total = points.len();
+    let prepared = counted(environment, "preparing", (0, total, None), &points, |t| {
+        decoded(environment, space, t)
+    })?;
+    let walkable = prepared.into_iter().flatten().filter(Prepared::is_walkable);
+    Ok(walkable.map(|prepared| Finalist { prepared, is_kept: false, value: None }).collect())
+}
+
+fn decoded(environment: &Environment, space: &Space, tried: &Tried) -> Option<Prepared> {
+    let choice = space.decode(&tried.id, &tried.x)?;
+    Some(environment.workshop.candidate(&choice.candidate, &choice.variant))
+}
+
+/// The shortest feasible path of all searches, where the straight one is not feasible.
+fn shortest(
+    environment: &Environment,
+    space: &Space,
+    searches: &Searches,
+    pool: &[Finalist],
+) -> Option<Finalist> {
+    let is_straight = |f: &&Finalist| f.prepared.family == Family::Straight;
+    if pool.iter().find(is_straight).is_none_or(|f| f.prepared.is_walkable()) {
+        return None;
+    }
+    let with_all_freedoms = |n: &str| !n.starts_with(WITHOUT);
+    let tried = searches.done.iter().filter(|(n, _)| with_all_freedoms(n)).flat_map(|s| &s.1.tried);
+    let found = tried.filter(|t| t.people > 0).min_by(|a, b| a.length_m.total_cmp(&b.length_m))?;
+    let mut prepared = decoded(environment, space, found)?;
+    (prepared.id, prepared.family) = ("shortest".to_owned(), Family::Shortest);
+    Some(Finalist { prepared, is_kept: true, value: None })
+}
+
+/// Successive halving of our own on fresh people, with all that is kept beside them. Best first; what
+/// nobody can be sent along comes last, without a value.
+pub(super) fn select(
+    environment: &Environment,
+    mut pool: Vec<Finalist>,
+) -> Result<Vec<Finalist>, PlanError> {
+    let preset = environment.preset;
+    let mut figures: Vec<Vec<Figures>> =
+        vec![vec![Figures::default(); environment.people.len()]; pool.len()];
+    let mut ours: Vec<usize> = (0..pool.len()).filter(|&i| !pool[i].is_kept).collect();
+    let kept: Vec<usize> = (0..pool.len()).filter(|&i| pool[i].is_kept).collect();
+    let (mut known, mut wanted) = (0, FIRST_ROUND.min(preset.rollouts_final));
+    loop {
+        measure(environment, &mut pool, &mut figures, &ours, known..wanted)?;
+        ours.sort_by(|&a, &b| by_value(&pool[a], &pool[b]).then(a.cmp(&b)));
+        if wanted >= preset.rollouts_final {
+            break;
+        }
+        ours.truncate((ours.len() / 2).max(preset.reported));
+        (known, wanted) = (wanted, (2 * wanted).min(preset.rollouts_final));
+    }
+    ours.truncate(preset.reported);
+    measure(environment, &mut pool, &mut figures, &kept, 0..preset.rollouts_final)?;
+    let mut order: Vec<usize> = ours.into_iter().chain(kept).collect();
+    order.sort_by(|&a, &b| by_value(&pool[a], &pool[b]).then(a.cmp(&b)));
+    Ok(order.into_iter().map(|i| pool[i].clone()).collect())
+}
+
+fn by_value(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
+    let of = |f: &Finalist| f.value.unwrap_or(f64::INFINITY);
+    of(a).total_cmp(&of(b))
+}
+
+/// Sends people along some of the pool and sets their values.
+fn measure(
+    environment: &Environment,
+    pool: &mut [Finalist],
+    figures: &mut [Vec<Figures>],
+    which: &[usize],
+    people: std::ops::Range<usize>,
+) -> Result<(), PlanError> {
+    let walkable: Vec<usize> =
+        which.iter().copied().filter(|&i| pool[i].prepared.is_walkable()).collect();
+    let block = (environment.seed, SELECTION_BLOCK);
+    let total = walkable.len();
+    let found = counted(environment, "selecting", (0, total, None), &walkable, |&i| {
+        environment.figures(&pool[i].prepared, block, people.clone())
+    })?;
+    for (&i, more) in walkable.iter().zip(found) {
+        figures[i].iter_mut().zip(more).for_each(|(f, m)| f.extend(m));
+        pool[i].prepared.refuse_if_nobody_reaches(&environment.scenario.body_names(), &figures[i]);
+        let is_usable = pool[i].prepared.is_walkable();
+        let terms = environment.terms(&pool[i].prepared);
+        let value = objective(&environment.preset.objective, &figures[i], terms);
+        pool[i].value = is_usable.then_some(value);
+    }
+    Ok(())
+}
+
+/// All that our search tried and that is not reported, in its order of value.
+pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<CandidateResult> {
+    let Some(state) = searches.of(OURS) else { return Vec::new() };
+    let mut tried: Vec<&Tried> = state.tried.iter().filter(|t| !ids.contains(&t.id)).collect();
+    tried.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.id.cmp(&b.id)));
+    let result = |t: &&Tried| {
+        let vias = space.decode(&t.id, &t.x).map(|c| c.candidate.vias).unwrap_or_default();
+        let (status, evaluated) = match &t.refused {
+            None => (Status::Feasible, Evaluated::Search),
+            Some((stage, reason)) => {
+                let status = Status::Infeasible { stage: stage.clone(), reason: reason.clone() };
+                (status, Evaluated::None)
+            }
+        };
+        CandidateResult {
+            rank: None,
+            id: t.id.clone(),
+            family: Family::Sampled,
+            status,
+            evaluated,
+            vias_m: vias.into_iter().map(Into::into).collect(),
+            objective: (t.people > 0).then_some(t.value),
+            bodies: Vec::new(),
+            path: None,
+            poses: Vec::new(),
+        }
+    };
+    tried.par_iter().map(result).collect()
+}

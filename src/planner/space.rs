@@ -1,0 +1,141 @@
+//! The numbers that the search may choose: white via-points, then the scenario's freedoms.
+//!
+//! A freedom with range `[lo, hi]` enters as `lo + Phi(x) (hi - lo)` with the normal distribution
+//! function Phi: a standard normal `x` is then uniform over the range, like the via-points' `x` is
+//! white, and no bound is ever broken.
+
+use super::preset::Preset;
+use crate::math::Vec3;
+use crate::math::stats::normal_cdf;
+use crate::path::{Candidate, Family, ViaSpace};
+use crate::scenario::{Scenario, Variant};
+
+/// Height of the elbow over the floor, as a share of stature, in the expert's arc.
+const ELBOW_HEIGHT: f64 = 0.63;
+/// How far the expert's arc comes towards the body, m.
+const EXPERT_PULL_M: f64 = 0.10;
+
+/// A path with everything that was chosen for it.
+#[derive(Debug, Clone)]
+pub(super) struct Choice {
+    pub candidate: Candidate,
+    pub variant: Variant,
+}
+
+/// The decision space of one search.
+#[derive(Debug, Clone)]
+pub(super) struct Space<'a> {
+    scenario: &'a Scenario,
+    vias: usize,
+    offset_rms_m: f64,
+    named_offset_m: f64,
+    /// For each free number whether this search may use it.
+    is_used: Vec<bool>,
+}
+
+impl<'a> Space<'a> {
+    /// All freedoms of the scenario.
+    pub(super) fn new(scenario: &'a Scenario, preset: &Preset) -> Self {
+        Self {
+            scenario,
+            vias: preset.vias,
+            offset_rms_m: preset.sampled_offset_m,
+            named_offset_m: preset.named_offset_m,
+            is_used: vec![true; scenario.free.all.len()],
+        }
+    }
+
+    /// The same without one freedom, by name.
+    pub(super) fn without(&self, name: &str) -> Self {
+        let keep = |(f, _): &(crate::scenario::Freedom, [f64; 2])| f.name() != name;
+        Self { is_used: self.scenario.free.all.iter().map(keep).collect(), ..self.clone() }
+    }
+
+    /// Number of search variables.
+    pub(super) fn dimension(&self) -> usize {
+        3 * self.vias + self.is_used.iter().filter(|u| **u).count()
+    }
+
+    /// The choice at `x`, as many numbers as the dimension.
+    pub(super) fn decode(&self, id: &str, x: &[f64]) -> Option<Choice> {
+        let (white, free) = x.split_at_checked(3 * self.vias)?;
+        let mut free = free.iter();
+        let shares: Vec<Option<f64>> = self
+            .is_used
+            .iter()
+            .map(|used| if *used { free.next().map(|x| normal_cdf(*x)) } else { None })
+            .collect();
+        let variant = self.scenario.variant(&shares);
+        let space = self.via_space(&variant)?;
+        Some(Choice { candidate: space.decode(id, white), variant })
+    }
+
+    /// Search variables of the named families, the straight path first; freedoms in mid-range.
+    pub(super) fn seeds(&self) -> Vec<Vec<f64>> {
+        let middle = vec![0.0; self.dimension()];
+        let Some(nominal) = self.decode("", &middle) else { return Vec::new() };
+        let Some(space) = self.via_space(&nominal.variant) else { return Vec::new() };
+        let bent = |offset: &Vec3| {
+            let mut x = space.encode(&space.bent("", Family::Sampled, offset))?;
+            x.resize(self.dimension(), 0.0);
+            Some(x)
+        };
+        let families = self.families();
+        families.iter().filter_map(|(_, _, offset)| bent(offset)).collect()
+    }
+
+    /// The named families at the scenario's own values.
+    pub(super) fn named(&self) -> Vec<Choice> {
+        let variant = self.scenario.nominal();
+        let Some(space) = self.via_space(&variant) else { return Vec::new() };
+        let choice = |(id, family, offset): &(&str, Family, Vec3)| Choice {
+            candidate: space.bent(*id, *family, offset),
+            variant: variant.clone(),
+        };
+        let mut all: Vec<Choice> = self.families().iter().map(choice).collect();
+        all.push(choice(&("expert_arc", Family::ExpertArc, self.expert_offset())));
+        all
+    }
+
+    fn via_space(&self, variant: &Variant) -> Option<ViaSpace> {
+        ViaSpace::new(self.vias, &variant.start, &variant.goal, self.offset_rms_m)
+    }
+
+    fn families(&self) -> [(&'static str, Family, Vec3); 5] {
+        let (up, body) =
+            (Vec3::z() * self.named_offset_m, self.toward_body() * self.named_offset_m);
+        [
+            ("straight", Family::Straight, Vec3::zeros()),
+            ("lifted", Family::Lifted, up),
+            ("lowered", Family::Lowered, -up),
+            ("toward_body", Family::TowardBody, body),
+            ("away", Family::Away, -body),
+        ]
+    }
+
+    /// What an expert would draw: the middle of the path at elbow height, a hand's breadth nearer.
+    fn expert_offset(&self) -> Vec3 {
+        let s = self.scenario;
+        let middle = (s.start.translation.vector.z + s.goal.translation.vector.z) / 2.0;
+        let bodies = &s.worker.bodies;
+        let elbow = |b: &crate::human::Body| {
+            // Seated, the elbow comes down with the pelvis.
+            let pelvis = |stance| b.pelvis_pose([0.0; 2], 0.0, stance).translation.vector.z;
+            let standing = crate::human::Stance::Standing { shoe_m: 0.0 };
+            ELBOW_HEIGHT * b.size.stature_m + pelvis(s.worker.stance) - pelvis(standing)
+        };
+        let mean = bodies.iter().map(elbow).sum::<f64>() / bodies.len().max(1) as f64;
+        Vec3::z() * (mean - middle) + self.toward_body() * EXPERT_PULL_M
+    }
+
+    /// Horizontal direction from the middle of the task to the worker.
+    pub(super) fn toward_body(&self) -> Vec3 {
+        let s = self.scenario;
+        let middle = (s.start.translation.vector + s.goal.translation.vector) * 0.5;
+        let [x, y] = s.worker.at_m;
+        let to = Vec3::new(x - middle.x, y - middle.y, 0.0);
+        // Standing on top of the task: backwards is towards the body.
+        let back = Vec3::new(-s.worker.facing.cos(), -s.worker.facing.sin(), 0.0);
+        if to.norm() > 1e-3 { to.normalize() } else { back }
+    }
+}

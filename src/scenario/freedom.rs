@@ -1,0 +1,262 @@
+//! What the planner may choose besides the path: where the part is taken and put, how it is gripped,
+//! where robot and worker stand, how long the movement takes.
+
+use super::check::Scenario;
+use super::file::FreeFile;
+use super::source::Source;
+use crate::files::InputError;
+use crate::math::{Pose, Vec3};
+use nalgebra::UnitQuaternion;
+use serde::Serialize;
+
+/// One number that may be chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Freedom {
+    /// Which of the equivalent places is the start.
+    StartPlace,
+    /// Offset of the start along world x, y or z, m.
+    StartOffset(usize),
+    /// Turn of the start about the vertical, rad.
+    StartYaw,
+    /// Turn of the start about the bar that is held, rad.
+    StartRoll,
+    /// Which of the equivalent places is the goal.
+    GoalPlace,
+    /// Offset of the goal along world x, y or z, m.
+    GoalOffset(usize),
+    /// Turn of the goal about the vertical, rad.
+    GoalYaw,
+    /// Turn of the goal about the bar that is held, rad.
+    GoalRoll,
+    /// Turn of the handle on the tool about its bar, rad.
+    GripRoll,
+    /// Offset of the robot's base along world x, y or z, m.
+    BaseOffset(usize),
+    /// Turn of the robot's base about the vertical, rad.
+    BaseYaw,
+    /// Offset of the worker's standing place along world x or y, m.
+    WorkerOffset(usize),
+    /// Turn of the worker about the vertical, rad.
+    WorkerFacing,
+    /// Duration, s.
+    Duration,
+}
+
+impl Freedom {
+    /// The freedom in words; its coordinates together are one freedom.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StartPlace => "choice of the start",
+            Self::StartOffset(_) => "start position",
+            Self::StartYaw => "start yaw",
+            Self::StartRoll => "start roll about the bar",
+            Self::GoalPlace => "choice of the goal",
+            Self::GoalOffset(_) => "goal position",
+            Self::GoalYaw => "goal yaw",
+            Self::GoalRoll => "goal roll about the bar",
+            Self::GripRoll => "grip on the tool",
+            Self::BaseOffset(_) => "place of the robot",
+            Self::BaseYaw => "yaw of the robot",
+            Self::WorkerOffset(_) => "place of the worker",
+            Self::WorkerFacing => "facing of the worker",
+            Self::Duration => "duration",
+        }
+    }
+}
+
+/// One choice of everything that may be free.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// TCP at the start, world.
+    pub start: Pose,
+    /// TCP at the goal, world.
+    pub goal: Pose,
+    /// Pose of the grip in the TCP's frame.
+    pub grip: Pose,
+    /// Base of the robot, world.
+    pub base: Pose,
+    /// Floor point below the pelvis, m.
+    pub at_m: [f64; 2],
+    /// Facing of the worker, rad about world z.
+    pub facing: f64,
+    /// Duration, s.
+    pub duration_s: f64,
+}
+
+/// The free numbers with their bounds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Freedoms {
+    /// Each number with least and greatest value (indices of places from 0).
+    pub all: Vec<(Freedom, [f64; 2])>,
+    /// Equivalent starts; the first is the scenario's.
+    pub starts: Vec<Pose>,
+    /// Equivalent goals; the first is the scenario's.
+    pub goals: Vec<Pose>,
+}
+
+impl Scenario {
+    /// Everything as the scenario says, nothing chosen.
+    pub fn nominal(&self) -> Variant {
+        Variant {
+            start: self.start,
+            goal: self.goal,
+            grip: self.grip,
+            base: self.robot.base,
+            at_m: self.worker.at_m,
+            facing: self.worker.facing,
+            duration_s: self.duration_s,
+        }
+    }
+
+    /// Names of the bodies, in order.
+    pub fn body_names(&self) -> Vec<&str> {
+        self.worker.bodies.iter().map(|b| b.name.as_str()).collect()
+    }
+
+    /// The variant at the given shares in [0, 1] of the free ranges, in their order; `None` keeps the
+    /// scenario's value.
+    pub fn variant(&self, shares: &[Option<f64>]) -> Variant {
+        let mut v = self.nominal();
+        let chosen = self.free.all.iter().zip(shares);
+        for ((freedom, [low, high]), share) in chosen {
+            if let Some(share) = share {
+                self.free.set(&mut v, *freedom, low + share.clamp(0.0, 1.0) * (high - low));
+            }
+        }
+        v
+    }
+}
+
+impl Freedoms {
+    /// Names of the freedoms, each once, in order.
+    pub fn names(&self) -> Vec<&'static str> {
+        let mut names: Vec<&'static str> = self.all.iter().map(|(f, _)| f.name()).collect();
+        names.dedup();
+        names
+    }
+
+    fn set(&self, v: &mut Variant, freedom: Freedom, value: f64) {
+        let pick = |places: &[Pose], now: Pose| {
+            places.get((value as usize).min(places.len().saturating_sub(1))).copied().unwrap_or(now)
+        };
+        match freedom {
+            Freedom::StartPlace => v.start = pick(&self.starts, v.start),
+            Freedom::GoalPlace => v.goal = pick(&self.goals, v.goal),
+            Freedom::StartOffset(axis) => v.start.translation.vector[axis] += value,
+            Freedom::GoalOffset(axis) => v.goal.translation.vector[axis] += value,
+            Freedom::StartYaw => yaw(&mut v.start, value),
+            Freedom::GoalYaw => yaw(&mut v.goal, value),
+            Freedom::StartRoll => v.start = rolled(&v.start, &v.grip, value),
+            Freedom::GoalRoll => v.goal = rolled(&v.goal, &v.grip, value),
+            Freedom::GripRoll => v.grip *= about_z(value),
+            Freedom::BaseOffset(axis) => v.base.translation.vector[axis] += value,
+            Freedom::BaseYaw => yaw(&mut v.base, value),
+            Freedom::WorkerOffset(axis) => v.at_m[axis] += value,
+            Freedom::WorkerFacing => v.facing += value,
+            Freedom::Duration => v.duration_s = value,
+        }
+    }
+}
+
+fn about_z(angle: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vec3::z_axis(), angle)
+}
+
+/// Turned about the vertical through its own origin.
+fn yaw(pose: &mut Pose, angle: f64) {
+    pose.rotation = about_z(angle) * pose.rotation;
+}
+
+/// A TCP pose turned about the bar of the grip.
+fn rolled(tcp: &Pose, grip: &Pose, angle: f64) -> Pose {
+    tcp * grip * about_z(angle) * grip.inverse()
+}
+
+/// Reads and checks `[free]`.
+pub(super) fn resolve_free(
+    source: &Source,
+    file: &FreeFile,
+    start: &Pose,
+    goal: &Pose,
+) -> Result<Freedoms, InputError> {
+    let mut free = Freedoms { all: Vec::new(), starts: vec![*start], goals: vec![*goal] };
+    for (places, list, freedom, key) in [
+        (&file.start_places, &mut free.starts, Freedom::StartPlace, "free.start_places"),
+        (&file.goal_places, &mut free.goals, Freedom::GoalPlace, "free.goal_places"),
+    ] {
+        for place in places {
+            list.push(source.pose_of(place, key)?);
+        }
+        if !places.is_empty() {
+            // Half open, so that each place has the same share.
+            free.all.push((freedom, [0.0, list.len() as f64 - 1e-9]));
+        }
+    }
+    type Axis = fn(usize) -> Freedom;
+    let boxes: [(&Option<[f64; 3]>, Axis, &str, f64); 3] = [
+        (&file.start_box_m, Freedom::StartOffset, "free.start_box_m", 2.0),
+        (&file.goal_box_m, Freedom::GoalOffset, "free.goal_box_m", 2.0),
+        (&file.robot_base_m, Freedom::BaseOffset, "free.robot_base_m", 5.0),
+    ];
+    for (half, freedom, key, most) in boxes {
+        for (axis, h) in half.iter().flatten().enumerate() {
+            push_half(source, &mut free.all, freedom(axis), *h, key, most)?;
+        }
+    }
+    for (axis, h) in file.worker_at_m.iter().flatten().enumerate() {
+        push_half(source, &mut free.all, Freedom::WorkerOffset(axis), *h, "free.worker_at_m", 5.0)?;
+    }
+    let turns = [
+        (&file.start_yaw_deg, Freedom::StartYaw, "free.start_yaw_deg"),
+        (&file.start_roll_deg, Freedom::StartRoll, "free.start_roll_deg"),
+        (&file.goal_yaw_deg, Freedom::GoalYaw, "free.goal_yaw_deg"),
+        (&file.goal_roll_deg, Freedom::GoalRoll, "free.goal_roll_deg"),
+        (&file.grip_roll_deg, Freedom::GripRoll, "free.grip_roll_deg"),
+        (&file.robot_base_yaw_deg, Freedom::BaseYaw, "free.robot_base_yaw_deg"),
+        (&file.worker_facing_deg, Freedom::WorkerFacing, "free.worker_facing_deg"),
+    ];
+    for (range, freedom, key) in turns {
+        if let Some(range) = range {
+            let [low, high] = checked_range(source, *range, key, [-180.0, 180.0])?;
+            free.all.push((freedom, [low.to_radians(), high.to_radians()]));
+        }
+    }
+    if let Some(range) = file.duration_s {
+        let range = checked_range(source, range, "free.duration_s", [0.05, 600.0])?;
+        free.all.push((Freedom::Duration, range));
+    }
+    Ok(free)
+}
+
+fn push_half(
+    source: &Source,
+    all: &mut Vec<(Freedom, [f64; 2])>,
+    freedom: Freedom,
+    half: f64,
+    key: &str,
+    most: f64,
+) -> Result<(), InputError> {
+    if !(0.0..=most).contains(&half) {
+        let message = format!("{key} holds {half}, which is outside 0 to {most} m");
+        return Err(source.plain(message).remedy("give half the width along x, y and z in metres"));
+    }
+    if half > 0.0 {
+        all.push((freedom, [-half, half]));
+    }
+    Ok(())
+}
+
+fn checked_range(
+    source: &Source,
+    [low, high]: [f64; 2],
+    key: &str,
+    [least, most]: [f64; 2],
+) -> Result<[f64; 2], InputError> {
+    if low < high && low >= least && high <= most {
+        return Ok([low, high]);
+    }
+    Err(source
+        .plain(format!("{key} = [{low}, {high}] is no range within {least} to {most}"))
+        .remedy("give the least and then the greatest value"))
+}
