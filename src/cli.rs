@@ -20,6 +20,7 @@ macro_rules! complain {
 }
 
 mod batch;
+mod bench;
 mod body;
 mod evaluate;
 mod evaluate_print;
@@ -61,6 +62,8 @@ enum Command {
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
     Evaluate(Box<evaluate::Args>),
+    /// ErgoBench: judge the planner and its baselines by simulated people whose behaviour is known.
+    Bench(bench::Args),
     /// Repeat the paper's experiments and our own on made-up data.
     Experiment(experiment::Args),
 }
@@ -87,6 +90,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => batch::compare(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Bench(args) => bench::bench(&args),
         Command::Experiment(args) => experiment::run(&args),
     };
     match result {

@@ -35,6 +35,7 @@
 //! Modules import only modules on lower floors; `tests/layers.rs` holds the list and the guard.
 
 pub mod cli;
+pub mod ergobench;
 pub mod ergonomics;
 pub mod files;
 pub mod human;

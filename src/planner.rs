@@ -24,7 +24,8 @@ mod search;
 mod searches;
 mod space;
 
-pub use pipeline::{PlanError, Request, Stage, Step, assess, plan};
+pub use objective::Figures;
+pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
 pub use preset::{Objective, Preset, load_preset, preset_names};
 pub use result::*;
 pub use resume::Checkpoint;

@@ -16,6 +16,7 @@
 //! ```
 
 mod attraction;
+mod behaviour;
 mod conditional;
 mod coupling;
 mod file;
@@ -32,6 +33,7 @@ mod start;
 mod step;
 
 pub use attraction::{Attraction, HandFeatures, UsualPosture};
+pub use behaviour::Behaviour;
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, save_model};
@@ -42,6 +44,6 @@ pub use noise::{Noise, NoisePath, NoiseShares, gain, speed_squared};
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};
 pub use rollout::{HandPath, Rollout, roll_out};
-pub use simulated::simulated_operator;
+pub use simulated::{simulated_operator, simulated_person};
 pub use start::{Start, StartRule, start_postures};
 pub use step::{ReachExceeded, StepSolver};

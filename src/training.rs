@@ -52,7 +52,7 @@ pub use fit_report::{Beyond, FitReport, SegmentLength, Spread};
 pub use methods::{Law, WeightUncertainty, learn_laws};
 #[doc(hidden)]
 pub use methods::{with_kernel_search, with_weight_search};
-pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion};
+pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion, trial_of};
 pub use noise_fit::learn_noise;
 pub use rollout_check::{
     Bands, RolloutScore, Walking, check_rollouts, learn_walking, path_error_deg,
@@ -64,4 +64,4 @@ pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residu
 pub use toy5r_experiment::{
     InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,
 };
-pub use train::train;
+pub use train::{learn, train};

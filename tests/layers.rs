@@ -18,7 +18,7 @@ const FLOORS: &[&[&str]] = &[
     &["posture", "path", "recording", "survey"],
     &["scenario", "training"],
     &["planner"],
-    &["report"],
+    &["report", "ergobench"],
     &["cli"],
 ];
 /// The hall and the door may name any module.

@@ -10,8 +10,8 @@ use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::math::stream::{Purpose, stream};
 use crate::posture::{
-    Coupling, FunctionDraw, HandPath, PostureLaw, Rollout, Sampler, Sampling, Start, StartRule,
-    roll_out, start_postures,
+    Behaviour, Coupling, FunctionDraw, HandPath, PostureLaw, Rollout, Sampler, Sampling, Start,
+    StartRule, roll_out, start_postures,
 };
 use crate::robot::{Robot, stick};
 use crate::scenario::{OtherArm, Scenario, Variant};
@@ -46,6 +46,8 @@ pub(super) struct Person<'a> {
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,
+    /// Somebody whose way of moving is known, in the place of the model.
+    truth: Option<&'a dyn Behaviour>,
 }
 
 type Functions = Arc<Vec<Arc<[FunctionDraw]>>>;
@@ -65,7 +67,11 @@ pub(super) struct Walks {
 }
 
 impl<'a> Person<'a> {
-    pub(super) fn all(scenario: &'a Scenario) -> Result<Vec<Self>, InputError> {
+    /// The bodies of a scenario, who move as its posture model says, or as somebody does.
+    pub(super) fn all(
+        scenario: &'a Scenario,
+        truth: Option<&'a dyn Behaviour>,
+    ) -> Result<Vec<Self>, InputError> {
         let w = &scenario.worker;
         w.bodies
             .iter()
@@ -82,6 +88,7 @@ impl<'a> Person<'a> {
                     sampler: Sampler::new(&w.model.law, Sampling::Pathwise)
                         .ok_or_else(|| broken_process(&w.model.name))?,
                     functions: Mutex::default(),
+                    truth,
                 })
             })
             .collect()
@@ -113,12 +120,15 @@ impl<'a> Person<'a> {
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
         let starts = start_postures(
             &self.coupling,
-            &model.postures,
+            self.truth.map_or(&model.postures, Behaviour::postures),
             &self.scenario.worker.start_rule,
             hand.start(),
             (seed, block),
             people.clone(),
         );
+        if let Some(truth) = self.truth {
+            return self.walk_truly(path, truth, &hand, starts, (seed, block), people.start);
+        }
         let functions = self.functions((seed, block), people.end);
         let walks = starts
             .into_par_iter()
@@ -132,6 +142,29 @@ impl<'a> Person<'a> {
             })
             .collect();
         Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
+    }
+
+    fn walk_truly(
+        &self,
+        path: &TimedPath,
+        truth: &dyn Behaviour,
+        hand: &HandPath,
+        starts: Vec<Start>,
+        block: (u64, u32),
+        first: usize,
+    ) -> Walks {
+        let at = (&path.time_s[..], hand.targets());
+        let rollouts = truth.walk(&self.coupling, at, &starts, block, first);
+        let all = rollouts
+            .into_par_iter()
+            .zip(starts)
+            .map(|(rollout, start)| {
+                let angles = rollout.q.iter().map(|q| self.surveyor.measure(q)).collect();
+                Walk { rollout, angles, start }
+            })
+            .collect();
+        let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
+        Walks { all, dt, extrapolation_share: hand.extrapolation_share() }
     }
 
     /// One walk without any chance in it: from the person's mean posture, by the law's mean. With

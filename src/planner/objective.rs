@@ -6,9 +6,9 @@ use crate::ergonomics::{P_AT_LEAST_S, REBA_WORST, RULA_WORST};
 use crate::math::stats::{cvar_upper, mean};
 use crate::survey::Lens;
 
-/// Figures of one body, one entry for each rollout.
+/// Figures of one body along one path, one entry for each rollout.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Figures {
+pub struct Figures {
     /// Time mean of RULA.
     pub rula: Vec<f64>,
     /// Time mean of REBA.

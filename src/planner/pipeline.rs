@@ -6,6 +6,7 @@ use super::explain::{
 };
 use super::finalists::{Finalist, finalists, rest, select};
 use super::lens::lens;
+use super::objective::Figures;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
 use super::result::{
@@ -18,8 +19,10 @@ use super::space::Space;
 use crate::ergonomics::paired_difference;
 use crate::files::InputError;
 use crate::math::stats::{mean, std_dev};
+use crate::posture::Behaviour;
 use crate::scenario::Scenario;
 use crate::survey::Lens;
+use crate::trajectory::TimedPath;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -85,7 +88,47 @@ pub(super) struct Environment<'a> {
 
 /// Plans paths for a scenario and ranks them, the user's own and the baselines among them.
 pub fn plan(scenario: &Scenario, request: &Request, stage: Stage) -> Result<RunResult, PlanError> {
-    run(scenario, request, stage, true)
+    run(scenario, request, stage, Scope::Plan)
+}
+
+/// Plans with the person's true behaviour in the place of the posture model, and without baselines:
+/// what a planner that knew everything would find.
+pub fn plan_knowing(
+    scenario: &Scenario,
+    request: &Request,
+    stage: Stage,
+    truth: &dyn Behaviour,
+) -> Result<RunResult, PlanError> {
+    run(scenario, request, stage, Scope::Oracle(truth))
+}
+
+/// What paths cause in somebody whose behaviour is known: figures of `count` repetitions of each, the
+/// same ones for all, for each body.
+pub fn judge_truly(
+    scenario: &Scenario,
+    truth: &dyn Behaviour,
+    paths: &[TimedPath],
+    block: (u64, u32),
+    count: usize,
+) -> Result<Vec<Vec<Figures>>, InputError> {
+    let people = Person::all(scenario, Some(truth))?;
+    let (lens, nominal) = (lens(scenario), scenario.nominal());
+    let of = |path: &TimedPath| {
+        let walks = |p: &Person| Figures::of(&p.walk(path, &nominal, block, 0..count), &lens);
+        people.iter().map(walks).collect()
+    };
+    Ok(paths.par_iter().map(of).collect())
+}
+
+/// What is asked of a run.
+#[derive(Debug, Clone, Copy)]
+enum Scope<'a> {
+    /// Search and baselines.
+    Plan,
+    /// Search only, knowing the person.
+    Oracle(&'a dyn Behaviour),
+    /// The user's own paths only.
+    Assess,
 }
 
 /// Scores the user's own paths as they are, with the straight path beside them.
@@ -99,17 +142,21 @@ pub fn assess(
             .remedy("give --path FILE, or a [[path]] with name and file in the scenario")
             .into());
     }
-    run(scenario, request, stage, false)
+    run(scenario, request, stage, Scope::Assess)
 }
 
 fn run(
     scenario: &Scenario,
     request: &Request,
     stage: Stage,
-    searches_too: bool,
+    scope: Scope,
 ) -> Result<RunResult, PlanError> {
     let Request { seed, preset, .. } = request;
-    let people = Person::all(scenario)?;
+    let truth = match scope {
+        Scope::Oracle(truth) => Some(truth),
+        Scope::Plan | Scope::Assess => None,
+    };
+    let people = Person::all(scenario, truth)?;
     let lens = lens(scenario);
     let workshop = Workshop::new(scenario, preset, *seed);
     let environment = Environment {
@@ -122,8 +169,11 @@ fn run(
         stage,
     };
     let space = Space::new(scenario, preset);
-    let searches =
-        if searches_too { run_all(&environment, &space, request)? } else { Searches::default() };
+    let searches = match scope {
+        Scope::Plan => run_all(&environment, &space, request, true)?,
+        Scope::Oracle(_) => run_all(&environment, &space, request, false)?,
+        Scope::Assess => Searches::default(),
+    };
     let pool = finalists(&environment, &space, &searches)?;
     let chosen = select(&environment, pool)?;
     let mut candidates = Vec::new();

@@ -38,9 +38,13 @@ pub(super) fn run_all(
     environment: &Environment,
     space: &Space,
     request: &Request,
+    has_baselines: bool,
 ) -> Result<Searches, PlanError> {
     let plain = plain_law(&environment.scenario.worker.model.law);
-    let tasks = tasks(environment, space, &plain);
+    let mut tasks = tasks(environment, space, &plain);
+    if !has_baselines {
+        tasks.truncate(1);
+    }
     let mut before: Vec<(String, SearchState)> = match &request.resume {
         Some(checkpoint) => checkpoint.searches_for(environment.scenario, request)?,
         None => Vec::new(),

@@ -58,6 +58,21 @@ impl HandPath {
         &self.targets[0]
     }
 
+    /// Grip poses in the pelvis frame, T+1.
+    pub fn targets(&self) -> &[Pose] {
+        &self.targets
+    }
+
+    /// The usual posture at a sample, n, rad; none without a pull.
+    pub fn usual_posture(&self, index: usize) -> Option<&DVector<f64>> {
+        self.usual.get(index).map(|u| &u.posture)
+    }
+
+    /// From the first to the last sample, s.
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().map_or(0.0, |t| t - self.time_s[0])
+    }
+
     /// Number of samples, T+1.
     pub fn len(&self) -> usize {
         self.targets.len()

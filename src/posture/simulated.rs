@@ -14,6 +14,7 @@ use super::start::{StartRule, start_postures};
 use crate::files::InputError;
 use crate::human::{Body, Side};
 use crate::math::pose::rotation_from_axes;
+use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
 use nalgebra::{DMatrix, DVector};
 
@@ -39,12 +40,34 @@ const SPREAD: &[(&str, [f64; 3])] = &[
 /// Standard deviation of the trunk's Z, X, Y rotation as a whole, deg.
 const TRUNK_SPREAD: [f64; 3] = [9.0, 3.5, 6.0];
 
+/// How far one simulated person's usual posture is from another's, in standard deviations, and how
+/// their habits of moving differ (standard deviation of the logarithm of a joint group's share).
+const INDIVIDUAL_POSTURE: f64 = 0.6;
+const INDIVIDUAL_SHARE: f64 = 0.45;
+
 /// The simulated operator in a body of any size.
 pub fn simulated_operator(body: &Body, side: Side) -> Result<PostureModel, InputError> {
+    simulated_person(body, side, None)
+}
+
+/// A simulated person with a usual posture and habits of their own; without a number, the operator of
+/// the demonstration.
+pub fn simulated_person(
+    body: &Body,
+    side: Side,
+    number: Option<u64>,
+) -> Result<PostureModel, InputError> {
     let coupling = Coupling::new(body, side, Hold::Rigid)?;
     let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
-    let mean = comfort(&joints, side);
-    let spread = covariance(&joints);
+    let mut mean = comfort(&joints, side);
+    let mut spread = covariance(&joints);
+    if let Some(number) = number {
+        individual(&joints, number, &mut mean, &mut spread);
+        let limits = coupling.limits();
+        for (i, q) in mean.iter_mut().enumerate() {
+            *q = q.clamp(limits.lower[i], limits.upper[i]);
+        }
+    }
     let postures = PostureDistribution { mean, covariance: spread.clone() };
     // Velocities: as the postures spread, with the elbow and the shoulder's flexion tied.
     let mut weight = spread.clone();
@@ -83,6 +106,26 @@ pub fn simulated_operator(body: &Body, side: Side) -> Result<PostureModel, Input
         },
     })
 }
+
+/// Makes somebody else of the operator: other shares of the joint groups, another usual posture.
+fn individual(joints: &[String], number: u64, mean: &mut DVector<f64>, spread: &mut DMatrix<f64>) {
+    let mut rng = stream(number, Purpose::Simulation, 7, 0);
+    let shares = normals(&mut rng, 3 * GROUPS);
+    let scale = |joint: &String| {
+        let (kind, axis) = parts(joint);
+        let group = SPREAD.iter().position(|(k, _)| *k == kind).map_or(0, |g| g + 1);
+        (INDIVIDUAL_SHARE * shares[3 * group + axis]).exp()
+    };
+    let scales = DVector::from_iterator(joints.len(), joints.iter().map(scale));
+    *spread = DMatrix::from_diagonal(&scales) * &*spread * DMatrix::from_diagonal(&scales);
+    if let Some(factor) = spread.clone().cholesky() {
+        let z = DVector::from_vec(normals(&mut rng, joints.len()));
+        *mean += factor.l() * z * INDIVIDUAL_POSTURE;
+    }
+}
+
+/// Joint groups that differ between people: the spine and those of [`SPREAD`].
+const GROUPS: usize = 1 + SPREAD.len();
 
 /// Side, joint kind and axis of a column such as `jRightElbow_Z`.
 fn parts(joint: &str) -> (&str, usize) {
@@ -196,7 +239,6 @@ fn grip_orientation() -> nalgebra::UnitQuaternion<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::stream::{Purpose, stream};
     use crate::posture::{HandPath, Sampler, Sampling, roll_out};
 
     fn lift() -> (Vec<f64>, Vec<Pose>) {
@@ -229,7 +271,7 @@ mod tests {
                 &StartRule::Sampled,
                 &hands[0],
                 (1, 0),
-                16,
+                0..16,
             );
             for (r, start) in starts.iter().enumerate() {
                 let q = start.q.as_ref().unwrap_or_else(|| panic!("{name} {r} is out of reach"));
@@ -255,7 +297,7 @@ mod tests {
         let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
         let (time, hands) = lift();
         let starts =
-            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 1);
+            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 0..1);
         let spread = |every: usize| {
             let t: Vec<f64> = time.iter().copied().step_by(every).collect();
             let h: Vec<Pose> = hands.iter().copied().step_by(every).collect();
@@ -289,7 +331,7 @@ mod tests {
             hand.translation.vector.x += 0.012 * k as f64;
         }
         let starts =
-            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 1);
+            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 0..1);
         let count = hands.len();
         let path = HandPath::new(&coupling, &model.law, time, hands);
         let rollout = roll_out(&coupling, &model.law, &path, &starts[0], None);

@@ -176,7 +176,7 @@ fn uniform_rate(path: &Path, times: &[f64], first_row: usize) -> Result<f64, Inp
 }
 
 /// A trial from columns of angles (rad): filtered, then differentiated.
-pub(super) fn trial_of(source: String, rate_hz: f64, angles: &[Vec<f64>]) -> Trial {
+pub fn trial_of(source: String, rate_hz: f64, angles: &[Vec<f64>]) -> Trial {
     let cutoff = FitSettings::default().cutoff_hz;
     let smooth: Vec<Vec<f64>> =
         angles.iter().map(|a| low_pass_zero_phase(a, rate_hz, cutoff)).collect();

@@ -36,10 +36,6 @@ pub fn train(
     provenance: Provenance,
 ) -> Result<PostureModel, InputError> {
     settings.check()?;
-    let Some((side, size)) = dataset.person else {
-        return Err(InputError::new(name, "is not learned from a body")
-            .remedy("a posture model is one of a person: give recordings and a body"));
-    };
     let mut methods: Vec<Method> = SHOWN.to_vec();
     if !methods.contains(&method) {
         methods.push(method);
@@ -47,6 +43,25 @@ pub fn train(
     let judging = Judging { methods, task_sd: None, has_rollouts: true };
     let judged = evaluate(dataset, &dataset.held_out(), &judging, settings)?;
     let quality = judged.methods.iter().map(quality).collect();
+    Ok(PostureModel { quality, ..learn(dataset, name, method, settings, provenance)? })
+}
+
+/// The same without judging any method.
+///
+/// # Errors
+/// As for [`train`].
+pub fn learn(
+    dataset: &Dataset,
+    name: &str,
+    method: Method,
+    settings: &TrainSettings,
+    provenance: Provenance,
+) -> Result<PostureModel, InputError> {
+    settings.check()?;
+    let Some((side, size)) = dataset.person else {
+        return Err(InputError::new(name, "is not learned from a body")
+            .remedy("a posture model is one of a person: give recordings and a body"));
+    };
     let every: Vec<usize> = (0..dataset.frames.len()).collect();
     let all: Vec<&Frame> = dataset.frames.iter().collect();
     let stature_m = dataset.coupling.stature_m();
@@ -85,7 +100,7 @@ pub fn train(
             mean: postures.mean.map(|v| rounded(v, DIGITS)),
             covariance: symmetric(&rounded_matrix(&postures.covariance)),
         },
-        quality,
+        quality: Vec::new(),
         provenance,
     })
 }
