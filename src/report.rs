@@ -45,6 +45,9 @@ pub enum ReportError {
     /// A value could not be written as JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// A value could not be written as YAML.
+    #[error("joint trajectory: {0}")]
+    Yaml(#[from] serde_saphyr::ser::Error),
     /// A table could not be written.
     #[error("table: {0}")]
     Table(#[from] csv::Error),
@@ -68,6 +71,13 @@ pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> 
     for candidate in &view.reported {
         if let (Some(rank), Some(path)) = (candidate.rank, &candidate.path) {
             files.push((format!("paths/{rank}.csv"), tables::path(path)?));
+            if let Some(motion) = &path.joint_trajectory {
+                let name = |end: &str| format!("paths/{rank}.joint_trajectory.{end}");
+                files.push((name("json"), (serde_json::to_string_pretty(motion)? + "\n").into()));
+                files.push((name("yaml"), serde_saphyr::to_string(motion)?.into()));
+                let check = serde_json::to_string_pretty(&path.joint_margins)? + "\n";
+                files.push((format!("paths/{rank}.joint_limits.json"), check.into()));
+            }
         }
     }
     for table in &result.rollouts {

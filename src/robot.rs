@@ -15,6 +15,7 @@ mod clearance;
 mod description;
 mod follow;
 mod ik;
+mod joint_trajectory;
 mod preset;
 mod track;
 
@@ -27,4 +28,7 @@ pub use check::{
 pub use clearance::Obstacle;
 pub use description::{Limits, Robot};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
+pub use joint_trajectory::{
+    Duration, Header, JointMargin, JointTrajectory, Point, TrajectoryFault,
+};
 pub use preset::PRESETS;

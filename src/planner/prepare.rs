@@ -9,8 +9,8 @@ use crate::path::{
     reference_path, verify, verify_samples,
 };
 use crate::robot::{
-    Follow, FollowSettings, Robot, RobotMotion, Starts, check_joint_path, follow_from,
-    min_clearance, start_postures,
+    Follow, FollowSettings, JointTrajectory, Robot, RobotMotion, Starts, check_joint_path,
+    follow_from, min_clearance, start_postures,
 };
 use crate::scenario::{Scenario, UserPath, Variant};
 use crate::trajectory::TimedPath;
@@ -132,9 +132,13 @@ impl<'a> Workshop<'a> {
         };
         match follow {
             Follow::Feasible(motion) => {
+                let broken = between_knots(robot, &path, &motion);
                 prepared.clearance = self.clearance(robot, &motion);
                 prepared.robot = Some(motion);
                 prepared.path = Some(path);
+                if let Some(reason) = broken {
+                    return prepared.refused("robot", reason);
+                }
             }
             Follow::Infeasible { reason, .. } => {
                 prepared.path = Some(path);
@@ -267,10 +271,15 @@ impl Prepared {
     pub(super) fn data(&self, scenario: &Scenario) -> Option<PathData> {
         let path = self.path.as_ref()?;
         let q = self.robot.as_ref().map(|m| m.q.clone()).filter(|q| q.len() == path.time_s.len());
+        let robot = &scenario.robot;
+        let names = || robot.joint_names().map(str::to_owned).collect();
+        let trajectory = q.as_ref().map(|q| JointTrajectory::through(names(), &path.time_s, q));
         Some(PathData {
             time_s: path.time_s.clone(),
             tcp: path.poses.iter().map(seven).collect(),
             robot_joints: scenario.robot.joint_names().map(str::to_owned).collect(),
+            joint_margins: trajectory.as_ref().map(|t| t.check(robot)).unwrap_or_default(),
+            joint_trajectory: trajectory,
             robot_q: q.unwrap_or_default(),
             checks: self.checks.clone(),
             robot_checks: self.robot.as_ref().map(robot_sentences).unwrap_or_default(),
@@ -278,6 +287,23 @@ impl Prepared {
             moved_m: self.moved_m,
         })
     }
+}
+
+/// A joint whose limit is broken between the knots, as a controller would run them.
+fn between_knots(robot: &Robot, path: &TimedPath, motion: &RobotMotion) -> Option<String> {
+    if motion.q.len() != path.time_s.len() {
+        return None;
+    }
+    let names = robot.joint_names().map(str::to_owned).collect();
+    let margins = JointTrajectory::through(names, &path.time_s, &motion.q).check(robot);
+    let broken = margins.into_iter().find(|m| !m.is_kept())?;
+    let percent = |s: Option<f64>| format!("{:.0} %", 100.0 * s.unwrap_or(0.0));
+    Some(format!(
+        "joint `{}` between the points: {} of its speed, {} of its acceleration",
+        broken.joint,
+        percent(broken.velocity_share),
+        percent(broken.acceleration_share)
+    ))
 }
 
 /// Joint angles at other times, interpolated linearly.

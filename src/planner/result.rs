@@ -6,6 +6,7 @@ use super::preset::Preset;
 use crate::ergonomics::{PairedDifference, ScoreDistribution};
 use crate::path::{Check, Family};
 use crate::posture::MethodQuality;
+use crate::robot::{JointMargin, JointTrajectory};
 use crate::scenario::{Origin, Task};
 use nalgebra::DVector;
 use serde::Serialize;
@@ -234,6 +235,11 @@ pub struct PathData {
     pub checks: Vec<Check>,
     /// The robot's closest approaches to its limits, in words.
     pub robot_checks: Vec<String>,
+    /// Margins of the robot's joints between the points of the exported trajectory.
+    pub joint_margins: Vec<JointMargin>,
+    /// The robot's motion for its controller; written to files of its own.
+    #[serde(skip)]
+    pub joint_trajectory: Option<JointTrajectory>,
     /// Smallest clearance to an obstacle, m, with what meets what.
     pub clearance: Option<(f64, String)>,
     /// How far the QP moved the path, m.

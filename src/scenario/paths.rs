@@ -1,4 +1,4 @@
-//! The designer's own paths: TCP poses or joint angles over time, from CSV.
+//! The designer's own paths: TCP poses or joint angles over time, from CSV, or a ROS JointTrajectory.
 //!
 //! Columns `time_s, x_m, y_m, z_m, qw, qx, qy, qz` (TCP in the world), or `time_s` and the robot's
 //! joint names, with or without the ending `_rad`. Other columns are ignored when the TCP columns are
@@ -6,7 +6,7 @@
 
 use crate::files::{InputError, NumericTable};
 use crate::math::{Pose, Vec3};
-use crate::robot::{Robot, tcp_poses};
+use crate::robot::{JointTrajectory, Robot, tcp_poses};
 use crate::trajectory::TimedPath;
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::path::Path;
@@ -29,6 +29,10 @@ pub struct UserPath {
 /// Reads a path for a robot.
 pub fn read_user_path(name: &str, file: &Path, robot: &Robot) -> Result<UserPath, InputError> {
     let bytes = crate::files::read_bytes(file)?;
+    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if ["json", "yaml", "yml"].contains(&ending.as_str()) {
+        return read_trajectory(name, file, &bytes, robot, &ending);
+    }
     let table = NumericTable::parse(file, &bytes)?;
     let time_s = table.column("time_s")?;
     let has = |c: &str| table.columns.iter().any(|k| k == c);
@@ -63,6 +67,31 @@ pub fn read_user_path(name: &str, file: &Path, robot: &Robot) -> Result<UserPath
     })?;
     let sha256 = crate::files::sha256_hex(&bytes);
     Ok(UserPath { name: name.to_owned(), path, joints, sha256 })
+}
+
+/// A ROS JointTrajectory, as JSON or YAML.
+fn read_trajectory(
+    name: &str,
+    file: &Path,
+    bytes: &[u8],
+    robot: &Robot,
+    ending: &str,
+) -> Result<UserPath, InputError> {
+    let fault = |message: String| {
+        InputError::new(file, message)
+            .remedy("expected a ROS JointTrajectory: joint_names, and points with positions and time_from_start")
+    };
+    let text = std::str::from_utf8(bytes).map_err(|e| fault(format!("is not text: {e}")))?;
+    let trajectory: JointTrajectory = if ending == "json" {
+        serde_json::from_str(text).map_err(|e| fault(e.to_string()))?
+    } else {
+        serde_saphyr::from_str(text).map_err(|e| fault(e.to_string()))?
+    };
+    let (time_s, q) = trajectory.postures(robot).map_err(|e| fault(e.to_string()))?;
+    let path = TimedPath::new(time_s, tcp_poses(robot, &q))
+        .map_err(|e| fault(format!("{e}; time_from_start must rise from point to point")))?;
+    let sha256 = crate::files::sha256_hex(bytes);
+    Ok(UserPath { name: name.to_owned(), path, joints: Some(q), sha256 })
 }
 
 fn read_poses(file: &Path, table: &NumericTable) -> Result<Vec<Pose>, InputError> {
