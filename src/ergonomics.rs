@@ -4,7 +4,10 @@
 //! ```text
 //! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
-//! exposure  scores of many rollouts         ─► ScoreDistribution, PairedDifference
+//! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
+//! paired    two paths, the same people      ─► PairedDifference
+//! drivers   sheets of many rollouts         ─► StepShare: which step drives the score
+//! sensitivity  thresholds moved by degrees  ─► ThresholdSensitivity
 //! ```
 //!
 //! RULA: Applied Ergonomics 24(2):91-99, 1993. REBA: Applied Ergonomics 31:201-205, 2000. Both leave
@@ -12,31 +15,43 @@
 //! choice, so that a score can be reproduced. Everything here is a pure function; scoring one posture
 //! allocates nothing.
 
+mod action_levels;
 mod angles;
 mod assess;
 mod drivers;
 mod exposure;
+mod paired;
 mod profile;
 mod reba;
 mod rula;
+mod sensitivity;
 mod tables;
 mod worksheet;
 
+pub use action_levels::{ActionLevelShare, reba_action_levels, rula_action_levels};
 pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
 };
 pub use assess::{Assessment, TaskInputs, assess, worksheet};
-pub use drivers::{Driver, RulaStep, drivers};
-pub use exposure::{
-    BandOverTime, P_AT_LEAST_S, PairedDifference, ScoreDistribution, paired_difference,
-    score_distribution,
+pub use drivers::{
+    Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
+    rula_step_shares,
 };
+pub use exposure::{
+    BandOverTime, P_AT_LEAST_S, ScoreDistribution, exposure_by_rollout, score_distribution,
+    time_means,
+};
+pub use paired::{FEW_PAIRS, PairedDifference, paired_difference};
 pub use profile::{Profile, UpperArmRule};
 pub use reba::{
     REBA_WORST, RebaScores, RebaSteps, reba, reba_action_level, reba_action_words, reba_from_scores,
 };
 pub use rula::{
     RULA_WORST, RulaScores, RulaSteps, rula, rula_action_level, rula_action_words, rula_from_scores,
+};
+pub use sensitivity::{
+    BodyPart, ExpectedScores, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity,
+    ThresholdShift, threshold_sensitivity,
 };
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
