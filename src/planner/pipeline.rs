@@ -197,6 +197,7 @@ fn assemble(
         verdict: verdict(scenario, &candidates, &comparisons, &inputs),
         comparisons,
         inputs,
+        threshold_sensitivity: best_walks.map(|w| w.sensitivity(lens)),
         setting: setting(scenario),
         posture_model: model_summary(scenario),
         warnings: scenario.warnings.clone(),
