@@ -7,6 +7,7 @@
 //! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
 //! paired    two paths, the same people      ─► PairedDifference
 //! drivers   sheets of many rollouts         ─► StepShare: which step drives the score
+//! niosh     hands at both ends of a lift    ─► LiftAssessment: recommended weight, lifting index
 //! sensitivity  thresholds moved by degrees  ─► ThresholdSensitivity
 //! ```
 //!
@@ -20,6 +21,7 @@ mod angles;
 mod assess;
 mod drivers;
 mod exposure;
+mod niosh;
 mod paired;
 mod profile;
 mod reba;
@@ -40,6 +42,11 @@ pub use drivers::{
 pub use exposure::{
     BandOverTime, P_AT_LEAST_S, ScoreDistribution, exposure_by_rollout, score_distribution,
     time_means,
+};
+pub use niosh::{
+    LOAD_CONSTANT_KG, LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftLimit,
+    LiftMultipliers, LiftNote, LiftPoint, LiftTask, NIOSH_PROVENANCE, PathLift, assess_lift,
+    lift_from_path,
 };
 pub use paired::{FEW_PAIRS, PairedDifference, paired_difference};
 pub use profile::{Profile, UpperArmRule};
