@@ -7,6 +7,8 @@
 //! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
 //! paired    two paths, the same people      ─► PairedDifference
 //! drivers   sheets of many rollouts         ─► StepShare: which step drives the score
+//! luba      angles                          ─► LubaScore: discomfort points
+//! iso11226, en1005_4  angles                ─► PartZone ─► zones: PartTimes over a series
 //! niosh     hands at both ends of a lift    ─► LiftAssessment: recommended weight, lifting index
 //! sensitivity  thresholds moved by degrees  ─► ThresholdSensitivity
 //! ```
@@ -20,7 +22,10 @@ mod action_levels;
 mod angles;
 mod assess;
 mod drivers;
+mod en1005_4;
 mod exposure;
+mod iso11226;
+mod luba;
 mod niosh;
 mod paired;
 mod profile;
@@ -29,6 +34,7 @@ mod rula;
 mod sensitivity;
 mod tables;
 mod worksheet;
+mod zones;
 
 pub use action_levels::{ActionLevelShare, reba_action_levels, rula_action_levels};
 pub use angles::{
@@ -39,9 +45,15 @@ pub use drivers::{
     Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
     rula_step_shares,
 };
+pub use en1005_4::{EN_1005_4_PROVENANCE, PostureUse, en_1005_4};
 pub use exposure::{
     BandOverTime, P_AT_LEAST_S, ScoreDistribution, exposure_by_rollout, score_distribution,
     time_means,
+};
+pub use iso11226::{ISO_11226_PROVENANCE, iso_11226};
+pub use luba::{
+    LUBA_PROVENANCE, LUBA_REST_DEG, LubaJoint, LubaMotion, LubaPart, LubaPosture, LubaScore, luba,
+    luba_category, luba_category_words,
 };
 pub use niosh::{
     LOAD_CONSTANT_KG, LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftLimit,
@@ -64,3 +76,6 @@ pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };
 pub use worksheet::Worksheet;
+pub use zones::{
+    Hold, PartTimes, PartZone, PostureZone, STATIC_FROM_S, ZonePart, ZoneSettings, zone_times,
+};
