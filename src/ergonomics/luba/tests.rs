@@ -1,3 +1,5 @@
+//! LUBA: the handbook's classes, sums over motions, what is not assessed.
+
 use super::*;
 
 fn scored(posture: LubaPosture, edit: impl Fn(&mut TrunkNeckAngles, &mut ArmAngles)) -> LubaScore {

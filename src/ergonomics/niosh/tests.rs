@@ -1,3 +1,5 @@
+//! The NIOSH equation: worked examples, closed forms, limits, and the ends of a hand path.
+
 use super::*;
 use crate::math::Vec3;
 use approx::assert_relative_eq;

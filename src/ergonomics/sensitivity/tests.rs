@@ -1,3 +1,5 @@
+//! Moved thresholds: against thresholds moved by hand, and monotone over many postures.
+
 use super::*;
 use crate::ergonomics::{reba, rula};
 
