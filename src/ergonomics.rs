@@ -4,7 +4,13 @@
 //! ```text
 //! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
-//! exposure  scores of many rollouts         ─► ScoreDistribution, PairedDifference
+//! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
+//! paired    two paths, the same people      ─► PairedDifference
+//! drivers   sheets of many rollouts         ─► StepShare: which step drives the score
+//! luba      angles                          ─► LubaScore: discomfort points
+//! iso11226, en1005_4  angles                ─► PartZone ─► zones: PartTimes over a series
+//! niosh     hands at both ends of a lift    ─► LiftAssessment: recommended weight, lifting index
+//! sensitivity  thresholds moved by degrees  ─► ThresholdSensitivity
 //! ```
 //!
 //! RULA: Applied Ergonomics 24(2):91-99, 1993. REBA: Applied Ergonomics 31:201-205, 2000. Both leave
@@ -12,25 +18,49 @@
 //! choice, so that a score can be reproduced. Everything here is a pure function; scoring one posture
 //! allocates nothing.
 
+mod action_levels;
 mod angles;
 mod assess;
 mod drivers;
+mod en1005_4;
 mod exposure;
+mod iso11226;
+mod luba;
+mod niosh;
+mod paired;
 mod profile;
 mod reba;
 mod rula;
+mod sensitivity;
 mod tables;
 mod worksheet;
+mod zones;
 
+pub use action_levels::{ActionLevelShare, reba_action_levels, rula_action_levels};
 pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
 };
 pub use assess::{Assessment, TaskInputs, assess, worksheet};
-pub use drivers::{Driver, RulaStep, drivers};
-pub use exposure::{
-    BandOverTime, P_AT_LEAST_S, PairedDifference, ScoreDistribution, paired_difference,
-    score_distribution,
+pub use drivers::{
+    Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
+    rula_step_shares,
 };
+pub use en1005_4::{EN_1005_4_PROVENANCE, PostureUse, en_1005_4};
+pub use exposure::{
+    BandOverTime, P_AT_LEAST_S, ScoreDistribution, exposure_by_rollout, score_distribution,
+    time_means,
+};
+pub use iso11226::{ISO_11226_PROVENANCE, iso_11226};
+pub use luba::{
+    LUBA_PROVENANCE, LUBA_REST_DEG, LubaJoint, LubaMotion, LubaPart, LubaPosture, LubaScore, luba,
+    luba_category, luba_category_words,
+};
+pub use niosh::{
+    LOAD_CONSTANT_KG, LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftLimit,
+    LiftMultipliers, LiftNote, LiftPoint, LiftTask, NIOSH_PROVENANCE, PathLift, assess_lift,
+    lift_from_path,
+};
+pub use paired::{FEW_PAIRS, PairedDifference, paired_difference};
 pub use profile::{Profile, UpperArmRule};
 pub use reba::{
     REBA_WORST, RebaScores, RebaSteps, reba, reba_action_level, reba_action_words, reba_from_scores,
@@ -38,7 +68,14 @@ pub use reba::{
 pub use rula::{
     RULA_WORST, RulaScores, RulaSteps, rula, rula_action_level, rula_action_words, rula_from_scores,
 };
+pub use sensitivity::{
+    BodyPart, ExpectedScores, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity,
+    ThresholdShift, threshold_sensitivity,
+};
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };
 pub use worksheet::Worksheet;
+pub use zones::{
+    Hold, PartTimes, PartZone, PostureZone, STATIC_FROM_S, ZonePart, ZoneSettings, zone_times,
+};

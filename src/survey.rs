@@ -50,7 +50,8 @@ pub struct PostureAngles {
 }
 
 impl PostureAngles {
-    fn trunk_neck(&self, rule: NeckRule) -> &TrunkNeckAngles {
+    /// Trunk and neck under a rule for the head.
+    pub fn trunk_neck(&self, rule: NeckRule) -> &TrunkNeckAngles {
         match rule {
             NeckRule::Neutral => &self.neutral,
             NeckRule::Gaze => &self.gaze,

@@ -14,6 +14,11 @@ pub fn std_dev(x: &[f64]) -> f64 {
     (x.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (x.len() - 1) as f64).sqrt()
 }
 
+/// Standard error of the mean; `None` for fewer than two samples, which say nothing on it.
+pub fn standard_error(x: &[f64]) -> Option<f64> {
+    (x.len() > 1).then(|| std_dev(x) / (x.len() as f64).sqrt())
+}
+
 /// Quantile by linear interpolation between order statistics (Hyndman and Fan's type 7, the default
 /// of R and numpy); NaN for no samples. `p` in [0, 1].
 pub fn quantile(x: &[f64], p: f64) -> f64 {

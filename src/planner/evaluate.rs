@@ -2,7 +2,10 @@
 
 use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
 use crate::ergonomics::{
-    P_AT_LEAST_S, REBA_WORST, RULA_WORST, RulaStep, ScoreDistribution, drivers, score_distribution,
+    ExpectedScores, P_AT_LEAST_S, REBA_WORST, RULA_WORST, RebaSteps, RulaSteps, ScoreDistribution,
+    StepShare, THRESHOLD_MOVE_DEG, ThresholdSensitivity, ThresholdShift, exposure_by_rollout, reba,
+    reba_action_levels, reba_step_shares, rula, rula_action_levels, rula_step_shares,
+    score_distribution, threshold_sensitivity, time_means,
 };
 use crate::files::InputError;
 use crate::human::Body;
@@ -280,30 +283,32 @@ fn check_chain(coupling: &Coupling, scenario: &Scenario) -> Result<(), InputErro
 }
 
 impl Walks {
-    /// Scores of every rollout and frame; after the reach is exceeded the worst there is.
-    fn scores(&self, lens: &Lens) -> (Vec<Vec<u8>>, Vec<Vec<u8>>) {
-        let per_walk: Vec<(Vec<u8>, Vec<u8>)> = self
-            .all
-            .par_iter()
-            .map(|w| {
-                let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
-                let score = |(k, a): (usize, &PostureAngles)| {
-                    if k >= end {
-                        return (RULA_WORST, REBA_WORST);
-                    }
-                    let (rula, reba) = a.score(lens);
-                    (rula.grand, reba.total)
-                };
-                w.angles.iter().enumerate().map(score).unzip()
-            })
-            .collect();
-        per_walk.into_iter().unzip()
+    /// Sheets of every rollout and frame; nothing once the reach is exceeded.
+    fn sheets(&self, score: impl Fn(&PostureAngles) -> (RulaSteps, RebaSteps) + Sync) -> Sheets {
+        let one = |w: &Walk| {
+            let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+            let scored = |(k, a): (usize, &PostureAngles)| (k < end).then(|| score(a));
+            w.angles.iter().enumerate().map(scored).collect()
+        };
+        Sheets(self.all.par_iter().map(one).collect())
     }
 
     /// Expected RULA and REBA under a lens.
     pub(super) fn expected(&self, lens: &Lens) -> (f64, f64) {
-        let (rula, reba) = self.scores(lens);
-        (mean(&time_means(&rula)), mean(&time_means(&reba)))
+        let expected = self.sheets(|a| a.score(lens)).expected();
+        (expected.rula, expected.reba)
+    }
+
+    /// Expected scores with the angle thresholds moved.
+    pub(super) fn sensitivity(&self, lens: &Lens) -> ThresholdSensitivity {
+        let task = &lens.task;
+        threshold_sensitivity(THRESHOLD_MOVE_DEG, |shift: &ThresholdShift| {
+            let scored = |a: &PostureAngles| {
+                let sheet = shift.worksheet(a.trunk_neck(lens.neck), &a.arm, task, &lens.profile);
+                (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
+            };
+            self.sheets(scored).expected()
+        })
     }
 
     /// The objective's ingredients and everything the report shows of one body.
@@ -313,10 +318,11 @@ impl Walks {
         lens: &Lens,
         other_arm: OtherArm,
     ) -> Option<BodyScores> {
-        let (rula_scores, reba_scores) = self.scores(lens);
+        let sheets = self.sheets(|a| a.score(lens));
+        let (rula_scores, reba_scores) = (sheets.rula(), sheets.reba());
         let rula = distribution(&rula_scores, self.dt, RULA_WORST)?;
         let reba = distribution(&reba_scores, self.dt, REBA_WORST)?;
-        let exposures: Vec<f64> = rula_scores.iter().map(|s| share_at_least(s, 5)).collect();
+        let exposures = exposure_by_rollout(&rula_scores, 5);
         let exceeded: Vec<usize> =
             self.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
         let count = self.all.len() as f64;
@@ -340,6 +346,8 @@ impl Walks {
                 OtherArm::Unknown => None,
                 OtherArm::Hanging => distribution(&self.other_scores(lens), self.dt, RULA_WORST),
             },
+            rula_levels: rula_action_levels(&rula),
+            reba_levels: reba_action_levels(&reba),
             rula,
             reba,
             reach_exceeded: exceeded.len() as f64 / count,
@@ -350,7 +358,8 @@ impl Walks {
             extrapolation_share: self.extrapolation_share,
             unusual_starts: self.all.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
             start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
-            parts: self.parts(lens),
+            parts: parts(&rula_step_shares(&sheets.rula_steps(), lens.profile.rula_table_a)),
+            reba_parts: parts(&reba_step_shares(&sheets.reba_steps())),
         })
     }
 
@@ -358,53 +367,51 @@ impl Walks {
         let score = |w: &Walk| w.angles.iter().map(|a| a.other_rula(lens).grand).collect();
         self.all.iter().map(score).collect()
     }
+}
 
-    /// Mean step scores of RULA over people and time, and how much each drives the total.
-    fn parts(&self, lens: &Lens) -> Vec<PartScore> {
-        let mut sums = [[0.0f64; 2]; RulaStep::ALL.len()];
-        let mut count = 0.0;
-        for walk in &self.all {
-            let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
-            for (_, angles) in walk.angles.iter().enumerate().filter(|(k, _)| *k < end) {
-                let sheet = angles.sheet(lens);
-                let s = angles.score(lens).0;
-                let steps = [
-                    s.upper_arm,
-                    s.lower_arm,
-                    s.wrist,
-                    s.wrist_twist,
-                    s.neck,
-                    s.trunk,
-                    s.legs,
-                    s.muscle,
-                    s.force,
-                ];
-                for (i, driver) in drivers(&sheet, &lens.profile).iter().enumerate() {
-                    sums[i][0] += f64::from(steps[i]);
-                    sums[i][1] += f64::from(driver.drop);
-                }
-                count += 1.0;
-            }
-        }
-        let part = |(step, [mean, drives]): (&RulaStep, &[f64; 2])| PartScore {
-            part: step.name(),
-            mean: mean / f64::max(count, 1.0),
-            drives: drives / f64::max(count, 1.0),
-        };
-        RulaStep::ALL.iter().zip(&sums).map(part).collect()
+/// Both sheets of every rollout and frame; nothing once the reach is exceeded.
+struct Sheets(Vec<Vec<Option<(RulaSteps, RebaSteps)>>>);
+
+impl Sheets {
+    fn each<T>(&self, of: impl Fn(Option<&(RulaSteps, RebaSteps)>) -> T) -> Vec<Vec<T>> {
+        self.0.iter().map(|r| r.iter().map(|s| of(s.as_ref())).collect()).collect()
     }
+
+    /// Grand scores; the worst there is after the reach is exceeded.
+    fn rula(&self) -> Vec<Vec<u8>> {
+        self.each(|s| s.map_or(RULA_WORST, |(rula, _)| rula.grand))
+    }
+
+    /// Final scores; the worst there is after the reach is exceeded.
+    fn reba(&self) -> Vec<Vec<u8>> {
+        self.each(|s| s.map_or(REBA_WORST, |(_, reba)| reba.total))
+    }
+
+    fn rula_steps(&self) -> Vec<Vec<Option<RulaSteps>>> {
+        self.each(|s| s.map(|(rula, _)| *rula))
+    }
+
+    fn reba_steps(&self) -> Vec<Vec<Option<RebaSteps>>> {
+        self.each(|s| s.map(|(_, reba)| *reba))
+    }
+
+    fn expected(&self) -> ExpectedScores {
+        let of = |scores: &[Vec<u8>]| mean(&time_means(scores));
+        ExpectedScores { rula: of(&self.rula()), reba: of(&self.reba()) }
+    }
+}
+
+fn parts(shares: &[StepShare]) -> Vec<PartScore> {
+    let part = |s: &StepShare| PartScore {
+        part: s.step,
+        mean: s.mean,
+        drives: s.drop,
+        drives_se: s.drop_se,
+        drives_share: s.drives_share,
+    };
+    shares.iter().map(part).collect()
 }
 
 fn distribution(scores: &[Vec<u8>], dt: f64, worst: u8) -> Option<ScoreDistribution> {
     score_distribution(scores, dt, worst, P_AT_LEAST_S)
-}
-
-/// The time mean of each rollout.
-fn time_means(scores: &[Vec<u8>]) -> Vec<f64> {
-    let one = |s: &Vec<u8>| s.iter().map(|v| f64::from(*v)).sum::<f64>() / s.len() as f64;
-    scores.iter().map(one).collect()
-}
-
-fn share_at_least(scores: &[u8], k: u8) -> f64 {
-    scores.iter().filter(|s| **s >= k).count() as f64 / scores.len() as f64
 }

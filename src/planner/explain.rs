@@ -39,11 +39,14 @@ pub(super) fn comparisons(candidates: &[CandidateResult]) -> Vec<Comparison> {
     let mut all = Vec::new();
     for other in others {
         for (a, b) in best.bodies.iter().zip(&other.bodies) {
+            let rula = paired_difference(&a.rula_by_rollout, &b.rula_by_rollout);
+            let [mine, its] = [&best.id, &other.id].map(|id| format!("`{id}`"));
             all.push(Comparison {
                 best: best.id.clone(),
                 other: other.id.clone(),
                 body: a.body.clone(),
-                rula: paired_difference(&a.rula_by_rollout, &b.rula_by_rollout),
+                words: rula.sentence("expected RULA", &mine, &its),
+                rula,
             });
         }
     }
@@ -148,18 +151,7 @@ fn is_users(scenario: &Scenario, id: &str) -> bool {
 
 fn against(id: &str, name: &str, comparisons: &[Comparison], body: &str) -> Option<String> {
     let found = comparisons.iter().find(|c| c.other == id && c.body == body)?;
-    let d = &found.rula;
-    Some(if d.clear {
-        format!(
-            "Against {name}: expected RULA {:+.2} (95 % interval {:+.2} to {:+.2}, paired over {} people).",
-            d.mean, d.low95, d.high95, d.n
-        )
-    } else {
-        format!(
-            "Against {name}: no clear difference ({:+.2}, 95 % interval {:+.2} to {:+.2}).",
-            d.mean, d.low95, d.high95
-        )
-    })
+    Some(found.rula.sentence("expected RULA", "this path", name))
 }
 
 fn caveat(scenario: &Scenario) -> Option<String> {

@@ -3,7 +3,9 @@
 //! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
 
 use super::preset::Preset;
-use crate::ergonomics::{PairedDifference, ScoreDistribution};
+use crate::ergonomics::{
+    ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
+};
 use crate::path::{Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
@@ -29,6 +31,8 @@ pub struct RunResult {
     pub comparisons: Vec<Comparison>,
     /// Inputs of the scores and where they come from.
     pub inputs: Vec<InputOrigin>,
+    /// The best path's expected scores with the angle thresholds moved, for the body of the verdict.
+    pub threshold_sensitivity: Option<ThresholdSensitivity>,
     /// Robot, worker, task and cell in words.
     pub setting: Setting,
     /// The posture model.
@@ -183,6 +187,10 @@ pub struct BodyScores {
     pub rula: ScoreDistribution,
     /// REBA of the coupled side.
     pub reba: ScoreDistribution,
+    /// Time and probability at each action level of RULA, 1-4.
+    pub rula_levels: Vec<ActionLevelShare>,
+    /// Time and probability at each action level of REBA, 0-4.
+    pub reba_levels: Vec<ActionLevelShare>,
     /// Time means of RULA of each rollout, in order: for paired comparisons.
     pub rula_by_rollout: Vec<f64>,
     /// Shares of time at RULA 5 or more, by rollout: mean, 5th and 95th percentile.
@@ -205,8 +213,10 @@ pub struct BodyScores {
     pub unusual_starts: f64,
     /// Mean Mahalanobis distance of the start postures.
     pub start_distance: f64,
-    /// Mean RULA step scores over people and time: (part, mean, share of time above its lowest).
+    /// The steps of RULA over people and time.
     pub parts: Vec<PartScore>,
+    /// The steps of REBA over people and time.
+    pub reba_parts: Vec<PartScore>,
 }
 
 /// One body part's share in the score.
@@ -216,8 +226,12 @@ pub struct PartScore {
     pub part: &'static str,
     /// Mean step score.
     pub mean: f64,
-    /// Mean drop of the RULA total if this step were at its lowest.
+    /// Drop of the expected total if this step alone were at its lowest.
     pub drives: f64,
+    /// Monte Carlo standard error of `drives`; none for a single rollout.
+    pub drives_se: Option<f64>,
+    /// Share of the time at which the total would be lower with this step at its lowest.
+    pub drives_share: f64,
 }
 
 /// A path over time.
@@ -270,6 +284,8 @@ pub struct Comparison {
     pub body: String,
     /// Difference of the expected RULA, best minus other.
     pub rula: PairedDifference,
+    /// The same in one sentence.
+    pub words: String,
 }
 
 /// One input of the scores.
