@@ -210,7 +210,7 @@ fn run(
         verdict: verdict(scenario, &candidates, &comparisons, &inputs),
         comparisons,
         inputs,
-        threshold_sensitivity: best_walks.map(|w| w.sensitivity(lens)),
+        threshold_sensitivity: best.as_ref().map(|(w, _)| w.sensitivity(&lens)),
         setting: setting(scenario),
         posture_model: model_summary(scenario),
         warnings: scenario.warnings.clone(),
