@@ -4,6 +4,7 @@
 //! ```text
 //! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
+//! smooth    the same, continuous            ─► SmoothRulaSteps, SmoothRebaSteps and gradients
 //! exposure  scores of many rollouts         ─► ScoreDistribution, PairedDifference
 //! ```
 //!
@@ -19,6 +20,7 @@ mod exposure;
 mod profile;
 mod reba;
 mod rula;
+mod smooth;
 mod tables;
 mod worksheet;
 
@@ -37,6 +39,10 @@ pub use reba::{
 };
 pub use rula::{
     RULA_WORST, RulaScores, RulaSteps, rula, rula_action_level, rula_action_words, rula_from_scores,
+};
+pub use smooth::{
+    AngleGradient, DEFAULT_WIDTH_DEG, METRES_PER_DEG, SheetGradient, Smooth, SmoothRebaSteps,
+    SmoothRulaSteps, smooth_reba, smooth_reba_sheet, smooth_rula, smooth_rula_sheet,
 };
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
