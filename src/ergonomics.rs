@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
+//! angle_rates  what one joint moves        ─► rates of the angles             (deg/s)
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
 //! smooth    the same, continuous            ─► SmoothRulaSteps, SmoothRebaSteps and gradients
 //! exposure  scores of many rollouts         ─► ScoreDistribution, PairedDifference
@@ -13,6 +14,7 @@
 //! choice, so that a score can be reproduced. Everything here is a pure function; scoring one posture
 //! allocates nothing.
 
+mod angle_rates;
 mod angles;
 mod assess;
 mod drivers;
@@ -24,6 +26,7 @@ mod smooth;
 mod tables;
 mod worksheet;
 
+pub use angle_rates::{ArmRates, BodyRates, arm_rates, trunk_neck_rates};
 pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
 };
