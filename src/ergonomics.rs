@@ -22,6 +22,7 @@ mod exposure;
 mod profile;
 mod reba;
 mod rula;
+mod rula_continuous;
 mod smooth;
 mod tables;
 mod worksheet;
@@ -43,6 +44,7 @@ pub use reba::{
 pub use rula::{
     RULA_WORST, RulaScores, RulaSteps, rula, rula_action_level, rula_action_words, rula_from_scores,
 };
+pub use rula_continuous::{CONTINUOUS_JOINTS, RULA_CONTINUOUS, rula_continuous};
 pub use smooth::{
     AngleGradient, DEFAULT_WIDTH_DEG, METRES_PER_DEG, SheetGradient, Smooth, SmoothRebaSteps,
     SmoothRulaSteps, smooth_reba, smooth_reba_sheet, smooth_rula, smooth_rula_sheet,
