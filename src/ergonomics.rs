@@ -17,6 +17,7 @@
 mod angle_rates;
 mod angles;
 mod assess;
+mod back;
 mod drivers;
 mod exposure;
 mod profile;
@@ -32,6 +33,7 @@ pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
 };
 pub use assess::{Assessment, TaskInputs, assess, worksheet};
+pub use back::{BackAngle, BackExposure, SPINE_JOINTS, back_angle, back_exposure};
 pub use drivers::{Driver, RulaStep, drivers};
 pub use exposure::{
     BandOverTime, P_AT_LEAST_S, PairedDifference, ScoreDistribution, paired_difference,
