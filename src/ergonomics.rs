@@ -2,8 +2,7 @@
 //! postures.
 //!
 //! ```text
-//! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
-//! angle_rates  what one joint moves        ─► rates of the angles             (deg/s)
+//! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg), and their rates
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
 //! smooth    the same, continuous            ─► SmoothRulaSteps, SmoothRebaSteps and gradients
 //! exposure  scores of many rollouts         ─► ScoreDistribution, PairedDifference

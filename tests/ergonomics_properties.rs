@@ -221,8 +221,11 @@ proptest! {
     }
 }
 
-/// The surveyors of a body coupled by its right and by its left hand, with the coupled joints.
-static SURVEYORS: LazyLock<[(Surveyor, Vec<(String, f64, f64)>); 2]> = LazyLock::new(|| {
+/// A surveyor with the names and limits (rad) of its coupled joints.
+type Coupled = (Surveyor, Vec<(String, f64, f64)>);
+
+/// A body coupled by its right and by its left hand.
+static SURVEYORS: LazyLock<[Coupled; 2]> = LazyLock::new(|| {
     let body = Body::load("male_p50", Path::new(".")).unwrap();
     let stance = Stance::Standing { shoe_m: 0.03 };
     [Side::Right, Side::Left].map(|side| {

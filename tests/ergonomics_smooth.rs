@@ -60,7 +60,8 @@ fn smooth_scores_round_to_the_official_ones_a_degree_from_thresholds() {
         let profile = Profile::by_name(name).unwrap();
         let clear: Vec<Worksheet> =
             sheets.iter().copied().filter(|s| clear_of_thresholds(s, &profile, 1.0)).collect();
-        assert!(clear.len() >= 150, "{name}: only {} rows are clear of thresholds", clear.len());
+        // Where the neutral bands are 0 deg wide, every row with an angle of 0 sits on a threshold.
+        assert!(clear.len() >= 100, "{name}: only {} rows are clear of thresholds", clear.len());
         let by_rula: Vec<(f64, f64)> = clear
             .iter()
             .map(|s| {
