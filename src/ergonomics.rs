@@ -2,7 +2,7 @@
 //! postures.
 //!
 //! ```text
-//! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
+//! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg), and their rates
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
 //! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
 //! paired    two paths, the same people      ─► PairedDifference
@@ -11,6 +11,7 @@
 //! iso11226, en1005_4  angles                ─► PartZone ─► zones: PartTimes over a series
 //! niosh     hands at both ends of a lift    ─► LiftAssessment: recommended weight, lifting index
 //! sensitivity  thresholds moved by degrees  ─► ThresholdSensitivity
+//! smooth    the same, continuous            ─► SmoothRulaSteps, SmoothRebaSteps and gradients
 //! ```
 //!
 //! RULA: Applied Ergonomics 24(2):91-99, 1993. REBA: Applied Ergonomics 31:201-205, 2000. Both leave
@@ -19,8 +20,10 @@
 //! allocates nothing.
 
 mod action_levels;
+mod angle_rates;
 mod angles;
 mod assess;
+mod back;
 mod drivers;
 mod en1005_4;
 mod exposure;
@@ -31,16 +34,20 @@ mod paired;
 mod profile;
 mod reba;
 mod rula;
+mod rula_continuous;
 mod sensitivity;
+mod smooth;
 mod tables;
 mod worksheet;
 mod zones;
 
 pub use action_levels::{ActionLevelShare, reba_action_levels, rula_action_levels};
+pub use angle_rates::{ArmRates, BodyRates, arm_rates, trunk_neck_rates};
 pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
 };
 pub use assess::{Assessment, TaskInputs, assess, worksheet};
+pub use back::{BackAngle, BackExposure, SPINE_JOINTS, back_angle, back_exposure};
 pub use drivers::{
     Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
     rula_step_shares,
@@ -68,9 +75,14 @@ pub use reba::{
 pub use rula::{
     RULA_WORST, RulaScores, RulaSteps, rula, rula_action_level, rula_action_words, rula_from_scores,
 };
+pub use rula_continuous::{CONTINUOUS_JOINTS, RULA_CONTINUOUS, rula_continuous};
 pub use sensitivity::{
     BodyPart, ExpectedScores, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity,
     ThresholdShift, threshold_sensitivity,
+};
+pub use smooth::{
+    AngleGradient, DEFAULT_WIDTH_DEG, METRES_PER_DEG, SheetGradient, Smooth, SmoothRebaSteps,
+    SmoothRulaSteps, smooth_reba, smooth_reba_sheet, smooth_rula, smooth_rula_sheet,
 };
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,

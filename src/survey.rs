@@ -11,6 +11,10 @@ use crate::math::{Pose, Rotation, Vec3};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
+mod gradient;
+
+pub use gradient::ScoreGradient;
+
 /// How the head is held, which nobody predicts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -158,46 +162,53 @@ impl Surveyor {
     pub fn measure(&self, q: &DVector<f64>) -> PostureAngles {
         let parts = &self.upper;
         let posed = parts.skeleton.pose(&whole_posture(&parts.skeleton, self.side, q));
-        let at = |segment: Segment| self.pelvis * posed.at(segment);
-        let thorax = at(parts.t8);
-        let mut body = BodyPose {
-            pelvis: rotation(&self.pelvis),
-            thorax: rotation(&thorax),
-            head: rotation(&thorax),
-            l5s1: at(parts.l5).translation.vector,
-            c7t1: at(parts.neck).translation.vector,
-        };
+        let mut body = self.body_pose(&posed);
         let neutral = trunk_neck_angles(&body);
-        let [arm, other] = parts.arms.map(|a| self.arm(&posed, a, &body));
-        let (head, hand) = (at(parts.head).translation.vector, at(parts.grip).translation.vector);
-        body.head = gaze(&thorax, &head, &hand);
+        let [arm, other] = parts.arms.map(|a| arm_angles(&body, &self.arm_pose(&posed, a, &body)));
+        body.head = self.sight(&posed).head();
         PostureAngles { neutral, gaze: trunk_neck_angles(&body), arm, other }
     }
 
-    fn arm(&self, posed: &PosedSkeleton, segments: ArmSegments, body: &BodyPose) -> ArmAngles {
+    /// Trunk, and head in line with it.
+    fn body_pose(&self, posed: &PosedSkeleton) -> BodyPose {
+        let at = |segment: Segment| self.pelvis * posed.at(segment);
+        let thorax = rotation(&at(self.upper.t8));
+        BodyPose {
+            pelvis: rotation(&self.pelvis),
+            thorax,
+            head: thorax,
+            l5s1: at(self.upper.l5).translation.vector,
+            c7t1: at(self.upper.neck).translation.vector,
+        }
+    }
+
+    fn sight(&self, posed: &PosedSkeleton) -> Sight {
+        let at = |segment: Segment| self.pelvis * posed.at(segment);
+        let (head, hand) = (at(self.upper.head), at(self.upper.grip));
+        Sight::new(&at(self.upper.t8), &head.translation.vector, &hand.translation.vector)
+    }
+
+    fn arm_pose(&self, posed: &PosedSkeleton, segments: ArmSegments, body: &BodyPose) -> ArmPose {
         let at = |segment: Segment| self.pelvis * posed.at(segment);
         let (girdle, upper) = (at(segments.girdle), at(segments.upper));
         let (fore, hand) = (at(segments.fore), at(segments.hand));
         let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
-        arm_angles(
-            body,
-            &ArmPose {
-                side: match segments.side {
-                    Side::Right => ScoreSide::Right,
-                    Side::Left => ScoreSide::Left,
-                },
-                upper_arm: rotation(&upper),
-                forearm: rotation(&fore),
-                hand: rotation(&hand),
-                shoulder: upper.translation.vector,
-                elbow: fore.translation.vector,
-                wrist: hand.translation.vector,
-                sternoclavicular: girdle.translation.vector,
-                // The clavicle of our bodies is level at zero.
-                girdle_neutral_deg: 0.0,
-                shoulder_lateral_m: lateral.z.abs(),
+        ArmPose {
+            side: match segments.side {
+                Side::Right => ScoreSide::Right,
+                Side::Left => ScoreSide::Left,
             },
-        )
+            upper_arm: rotation(&upper),
+            forearm: rotation(&fore),
+            hand: rotation(&hand),
+            shoulder: upper.translation.vector,
+            elbow: fore.translation.vector,
+            wrist: hand.translation.vector,
+            sternoclavicular: girdle.translation.vector,
+            // The clavicle of our bodies is level at zero.
+            girdle_neutral_deg: 0.0,
+            shoulder_lateral_m: lateral.z.abs(),
+        }
     }
 
     /// Bones as segments in the world, for drawings.
@@ -238,14 +249,35 @@ fn rotation(pose: &Pose) -> Rotation {
 }
 
 /// Head turned about the trunk's long axis and then nodded so that it faces the hand.
-fn gaze(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Rotation {
-    let to = thorax.rotation.inverse() * (hand - head_at);
-    let [flexion, extension, twist] = NECK_RANGE_DEG.map(f64::to_radians);
-    let turn = (-to.z).atan2(to.x).clamp(-twist, twist);
-    let nod = to.y.atan2(to.x.hypot(to.z)).clamp(-flexion, extension);
-    let within = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * turn)
-        * nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * nod);
-    (thorax.rotation * within).to_rotation_matrix()
+struct Sight {
+    thorax: nalgebra::UnitQuaternion<f64>,
+    /// From the head to the hand in thorax axes, m.
+    to: Vec3,
+    /// Turn to the left, rad, before it is held to the neck's range.
+    turn: f64,
+    /// Nod upward, rad, before it is held to the neck's range.
+    nod: f64,
+}
+
+impl Sight {
+    fn new(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Self {
+        let to = thorax.rotation.inverse() * (hand - head_at);
+        let (turn, nod) = ((-to.z).atan2(to.x), to.y.atan2(to.x.hypot(to.z)));
+        Self { thorax: thorax.rotation, to, turn, nod }
+    }
+
+    /// Turn and nod within the neck's range, rad.
+    fn held(&self) -> (f64, f64) {
+        let [flexion, extension, twist] = NECK_RANGE_DEG.map(f64::to_radians);
+        (self.turn.clamp(-twist, twist), self.nod.clamp(-flexion, extension))
+    }
+
+    fn head(&self) -> Rotation {
+        let (turn, nod) = self.held();
+        let within = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * turn)
+            * nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * nod);
+        (self.thorax * within).to_rotation_matrix()
+    }
 }
 
 #[cfg(test)]

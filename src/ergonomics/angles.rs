@@ -9,7 +9,7 @@ use crate::math::{Rotation, Vec3};
 use serde::Serialize;
 
 /// Length (of a unit vector's part) below which a direction counts as undefined.
-const TINY: f64 = 1e-9;
+pub(super) const TINY: f64 = 1e-9;
 
 /// Side of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -23,7 +23,7 @@ pub enum Side {
 
 impl Side {
     /// Factor that makes "to the right" into "outward".
-    fn outward(self) -> f64 {
+    pub(super) fn outward(self) -> f64 {
         match self {
             Self::Left => -1.0,
             Self::Right => 1.0,

@@ -131,9 +131,7 @@ pub fn reba(sheet: &Worksheet, profile: &Profile) -> RebaSteps {
         lower_arm: if (60.0..=100.0).contains(&sheet.elbow_flex_deg) { 1 } else { 2 },
         wrist: wrist(sheet),
         coupling: sheet.coupling.min(3),
-        activity: u8::from(sheet.static_gt_1min)
-            + u8::from(sheet.repeated_gt_4min)
-            + u8::from(sheet.rapid_large_changes),
+        activity: activity(sheet),
     })
 }
 
@@ -222,7 +220,15 @@ fn legs(sheet: &Worksheet) -> u8 {
     1 + u8::from(sheet.legs_unbalanced) + knee
 }
 
-fn load(sheet: &Worksheet) -> u8 {
+/// Activity, 0-3.
+pub(super) fn activity(sheet: &Worksheet) -> u8 {
+    u8::from(sheet.static_gt_1min)
+        + u8::from(sheet.repeated_gt_4min)
+        + u8::from(sheet.rapid_large_changes)
+}
+
+/// Load or force, 0-3.
+pub(super) fn load(sheet: &Worksheet) -> u8 {
     let class = if sheet.load_kg < 5.0 {
         0
     } else if sheet.load_kg <= 10.0 {

@@ -139,7 +139,7 @@ pub fn rula(sheet: &Worksheet, profile: &Profile) -> RulaSteps {
         lower_arm: lower_arm(sheet),
         wrist: wrist(sheet, profile),
         wrist_twist: 1 + u8::from(sheet.wrist_twist_end),
-        muscle: u8::from(sheet.static_gt_1min || sheet.repeated_gt_4min),
+        muscle: muscle(sheet),
         force: force(sheet, profile),
         neck: neck(sheet, profile),
         trunk: trunk(sheet, profile),
@@ -236,7 +236,13 @@ fn wrist(sheet: &Worksheet, profile: &Profile) -> u8 {
     class + u8::from(sheet.wrist_deviated)
 }
 
-fn force(sheet: &Worksheet, profile: &Profile) -> u8 {
+/// Muscle use, 0-1.
+pub(super) fn muscle(sheet: &Worksheet) -> u8 {
+    u8::from(sheet.static_gt_1min || sheet.repeated_gt_4min)
+}
+
+/// Force or load, 0-3.
+pub(super) fn force(sheet: &Worksheet, profile: &Profile) -> u8 {
     let load = sheet.load_kg;
     if sheet.load_shock {
         3

@@ -5,6 +5,7 @@ use super::side::Side;
 use crate::files::InputError;
 use crate::kinematics::{Frames, Linkage, Tip};
 use crate::math::Pose;
+use nalgebra::Matrix6xX;
 
 /// Links whose origins are joint centres, in the order of a drawing.
 const TRUNK: &[&str] = &["L5", "L3", "T12", "T8", "Neck", "Head"];
@@ -26,6 +27,7 @@ pub struct Segment(Option<usize>);
 #[derive(Debug, Clone)]
 pub struct PosedSkeleton<'a> {
     skeleton: &'a Skeleton,
+    frames: Frames,
     poses: Vec<Pose>,
 }
 
@@ -71,7 +73,7 @@ impl Skeleton {
         let mut frames = Frames::default();
         self.linkage.forward(q, &mut frames);
         let poses = (0..self.names.len()).map(|i| self.linkage.tip_pose(&frames, i)).collect();
-        PosedSkeleton { skeleton: self, poses }
+        PosedSkeleton { skeleton: self, frames, poses }
     }
 }
 
@@ -79,6 +81,15 @@ impl PosedSkeleton<'_> {
     /// Pose of a segment's frame in the pelvis frame, by [`Skeleton::segment`].
     pub fn at(&self, segment: Segment) -> Pose {
         segment.0.map_or_else(Pose::identity, |i| self.poses[i])
+    }
+
+    /// Geometric Jacobian of a segment's frame in pelvis axes, 6 x all columns: velocity of its origin
+    /// over angular velocity. Zero for the pelvis.
+    pub fn jacobian(&self, segment: Segment) -> Matrix6xX<f64> {
+        let linkage = &self.skeleton.linkage;
+        segment
+            .0
+            .map_or_else(|| Matrix6xX::zeros(linkage.dof()), |i| linkage.jacobian(&self.frames, i))
     }
 
     /// Pose of a segment's frame in the pelvis frame; identity for `Pelvis` and unknown names.

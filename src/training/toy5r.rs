@@ -24,6 +24,7 @@ pub use constants::ToyConstants;
 pub use planar::{BASE, JOINTS, TIP, planar_hand, planar_jacobian, planar_urdf};
 pub use trajectories::{ToyNoise, ToyTrajectory, TrajectoryTruth, oracle_rollouts, trajectories};
 
+use crate::ergonomics::rula_continuous;
 use crate::files::InputError;
 use crate::math::redundancy::{resolve, weighted_pseudo_inverse};
 use crate::math::stream::{Purpose, normals, stream};
@@ -33,15 +34,6 @@ use rand::RngExt as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-
-/// (p2, p1, p3) of each joint: C(q) = sum p2 q^2 + p1 q + p3 with q in degrees (Table 1).
-pub const COST: [[f64; 3]; JOINTS] = [
-    [1.1e-3, 0.0, 0.0],
-    [9.8e-4, 0.0, 1.0],
-    [1.6e-4, -2.5e-2, 2.0],
-    [1.2e-4, 0.0, 0.0],
-    [2.1e-3, 0.0, 1.0],
-];
 
 /// Streams of random numbers, by what they are for.
 mod block {
@@ -81,10 +73,8 @@ pub struct ToyProblem {
 
 /// The part of z without noise, rad/s.
 pub fn preferred_velocity(constants: &ToyConstants, q: &[f64; JOINTS]) -> [f64; JOINTS] {
-    std::array::from_fn(|i| {
-        let [p2, p1, _] = COST[i];
-        -constants.z_gain * (2.0 * p2 * q[i].to_degrees() + p1)
-    })
+    let (_, gradient) = rula_continuous(&q.map(f64::to_degrees));
+    gradient.map(|slope| -constants.z_gain * slope)
 }
 
 /// Makes a data set; the same seed gives the same numbers.

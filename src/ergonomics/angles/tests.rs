@@ -152,13 +152,14 @@ fn trunk_and_neck_of_known_postures() {
 fn arm_raised_sideways_does_not_jump_to_flexion() {
     let b = body(still(), still(), still());
     let mut last = None;
-    for deg in 80..=100 {
+    for deg in 60..=120 {
         // 3 deg forward of the frontal plane: about a horizontal axis 3 deg off x.
         let axis = Vec3::new(3.0f64.to_radians().cos(), 0.0, 3.0f64.to_radians().sin());
         let joint = about(axis, -f64::from(deg));
         let a = arm_angles(&b, &arm(&b, Side::Right, [joint, still(), still()]));
         assert_relative_eq!(a.upper_arm_elevation_deg, f64::from(deg), epsilon = 1e-9);
-        assert!(a.upper_arm_flex_deg.abs() < 6.0, "{a:?}");
+        assert!(a.upper_arm_flex_deg.abs() < 8.0, "{a:?}");
+        assert!(a.upper_arm_flex_deg.abs() < 6.0 || deg > 110, "{a:?}");
         assert!((a.upper_arm_abduction_deg - f64::from(deg)).abs() < 0.2, "{a:?}");
         let step =
             last.replace(a.upper_arm_flex_deg).map_or(0.0, |l: f64| l - a.upper_arm_flex_deg);
