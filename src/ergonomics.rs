@@ -20,6 +20,7 @@ mod profile;
 mod reba;
 mod rula;
 mod tables;
+mod timeline;
 mod worksheet;
 
 pub use angles::{
@@ -41,4 +42,5 @@ pub use rula::{
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };
+pub use timeline::{Clock, Hold, PartTimeline, Shown, TimeRules};
 pub use worksheet::Worksheet;
