@@ -56,6 +56,7 @@ pub struct WholeSurveyor {
     legs: [[Segment; 3]; 2],
     /// Right and left arm chain: columns of all joints in the order of the chain.
     chains: [Vec<usize>; 2],
+    chain_names: [Vec<String>; 2],
 }
 
 impl WholeSurveyor {
@@ -67,12 +68,15 @@ impl WholeSurveyor {
                 .map(|part| parts.skeleton.segment(&format!("{}{part}", side.prefix())))
         };
         let legs = [leg(Side::Right), leg(Side::Left)];
-        let chain = |side: Side| -> Result<Vec<usize>, InputError> {
-            let arm = body.arm(side)?;
-            Ok(arm.joints().iter().filter_map(|j| parts.skeleton.column(&j.name)).collect())
+        let names = |side: Side| -> Result<Vec<String>, InputError> {
+            Ok(body.arm(side)?.joints().iter().map(|j| j.name.clone()).collect())
         };
-        let chains = [chain(Side::Right)?, chain(Side::Left)?];
-        Ok(Self { parts, legs, chains })
+        let chain_names = [names(Side::Right)?, names(Side::Left)?];
+        let columns = |names: &Vec<String>| -> Vec<usize> {
+            names.iter().filter_map(|n| parts.skeleton.column(n)).collect()
+        };
+        let chains = [columns(&chain_names[0]), columns(&chain_names[1])];
+        Ok(Self { parts, legs, chains, chain_names })
     }
 
     /// Number of joint angles.
@@ -88,6 +92,11 @@ impl WholeSurveyor {
     /// Columns of the joints from the pelvis to the grip of a side, in the order of the chain.
     pub fn chain(&self, side: Side) -> &[usize] {
         &self.chains[place(side)]
+    }
+
+    /// Names of those joints.
+    pub fn chain_joints(&self, side: Side) -> impl Iterator<Item = &str> {
+        self.chain_names[place(side)].iter().map(String::as_str)
     }
 
     /// Measures a posture: all joint angles (rad) and the pose of the pelvis in the world. Everything
@@ -141,6 +150,14 @@ fn bend_deg([a, b, c]: [Vec3; 3]) -> f64 {
 }
 
 impl WholePosture {
+    /// Takes over the arm of a side, with its reach and the gaze to its hand.
+    pub fn take_arm(&mut self, side: Side, from: &Self) {
+        let i = place(side);
+        self.arms[i] = from.arms[i];
+        self.reach_m[i] = from.reach_m[i];
+        self.gaze[i] = from.gaze[i];
+    }
+
     /// Knee flexion by the joint centres of hip, knee and ankle, deg.
     pub fn knee_from_points(hip: &Vec3, knee: &Vec3, ankle: &Vec3) -> f64 {
         bend_deg([*hip, *knee, *ankle])
