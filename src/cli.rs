@@ -29,6 +29,8 @@ mod inspect;
 mod plan;
 mod progress;
 mod score;
+mod score_motion;
+mod score_print;
 mod train;
 
 use clap::{Parser, Subcommand};

@@ -17,11 +17,11 @@ mod views;
 
 pub use frames::{Frame, ScoredSide, ScoredTrack, frames_csv, score_side};
 pub use motion::{Motion, MotionKind, Track, read_angles, read_recorded};
-pub use parts::{Angle, PARTS, Part};
+pub use parts::{Angle, PARTS, Part, Step};
 pub use setup::{Answer, Declared, Input, Neck, Use, inputs, word};
 pub use summary::{
     AngleSpread, DriverShare, LevelShare, OverRollouts, OverTime, PartSummary, RolloutFigures,
-    SideSummary, Summary, TrackMean, summarise,
+    SCORE_SCHEMA, SideSummary, Summary, TrackMean, summarise,
 };
 pub use table::{ScoredTable, score_table};
 pub use views::{View, ViewKind, views};
