@@ -36,6 +36,9 @@ pub(super) fn print_text(s: &Summary) {
             );
         }
         say!("\n{}", indented(&parts(&side.parts)));
+        say!(
+            "  * held longer than 1 min, or more than 4 movements a minute; - set by a rule, not by the motion"
+        );
         print_views(side);
         print_drivers(side);
         print_inputs(side);
@@ -127,7 +130,7 @@ fn parts(parts: &[PartSummary]) -> Table {
         "peak",
         "RULA step 1, 2, ...",
         "longest hold",
-        "moves/min",
+        "moves/min (in all)",
     ];
     let mut t = table(&header, 2);
     if let Some(c) = t.column_mut(6) {
@@ -140,21 +143,32 @@ fn parts(parts: &[PartSummary]) -> Table {
                 part.rula_steps.iter().map(|s| format!("{:.0}", 100.0 * s)).collect();
             let steps = if steps.is_empty() { String::new() } else { steps.join(" ") + " %" };
             let hold = if part.held == Shown::Yes { " *" } else { "" };
+            let seen = |text: String| if part.is_measured { text } else { "-".to_owned() };
             let moves = if part.repeated == Shown::Yes { " *" } else { "" };
+            // Less than a minute says how many, not how often.
+            let rate = match part.repeated {
+                Shown::TooShort => format!("({})", part.movements),
+                _ => format!("{:.1}{moves}", part.movements_per_min),
+            };
             t.add_row([
                 once(part.part.to_owned()),
                 a.angle.to_owned(),
-                format!("{:.0}", a.p10 + 0.0),
-                format!("{:.0}", a.p50 + 0.0),
-                format!("{:.0}", a.p90 + 0.0),
-                format!("{:.0}", a.peak + 0.0),
+                whole(a.p10),
+                whole(a.p50),
+                whole(a.p90),
+                whole(a.peak),
                 once(steps),
-                once(format!("{:.1} s{hold}", part.longest_hold_s)),
-                once(format!("{:.1}{moves}", part.movements_per_min)),
+                once(seen(format!("{:.1} s{hold}", part.longest_hold_s))),
+                once(seen(rate)),
             ]);
         }
     }
     t
+}
+
+/// A whole number without a negative zero.
+fn whole(value: f64) -> String {
+    (value.round() + 0.0).to_string()
 }
 
 fn print_views(side: &SideSummary) {

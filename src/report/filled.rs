@@ -84,14 +84,18 @@ fn look_up(
     }
 }
 
-fn total(name: &'static str, entered: &'static str, parts: &[(&str, u8)], score: u8) -> Line {
+fn total(name: &'static str, most: &'static str, parts: &[(&str, u8)], score: u8) -> Line {
     let sum: Vec<String> = parts.iter().map(|(n, v)| format!("{v} ({n})")).collect();
-    Line { step: name, entered: entered.to_owned(), sum: sum.join(" + "), score, row: None }
+    let added: u8 = parts.iter().map(|p| p.1).sum();
+    let most = if added > score { most } else { "" };
+    Line { step: name, entered: String::new(), sum: sum.join(" + ") + most, score, row: None }
 }
 
 fn deg(angle: f64) -> String {
     // Adding 0 turns -0 into 0.
-    format!("{:.1}\u{b0}", (angle * 10.0).round() / 10.0 + 0.0)
+    let rounded = (angle * 10.0).round() / 10.0 + 0.0;
+    let sign = if rounded < 0.0 { "\u{2212}" } else { "" };
+    format!("{sign}{:.1}\u{b0}", rounded.abs())
 }
 
 /// The sheet without a ticked box: its scores are those of the angles alone.
@@ -115,7 +119,7 @@ fn unticked(sheet: &Worksheet) -> Worksheet {
 fn upper_arm_entry(frame: &Frame) -> String {
     let a = &frame.arm;
     format!(
-        "flexion {}; abduction {}; girdle {} up",
+        "flexion {}; abduction {}; girdle elevation {}",
         deg(frame.sheet.upper_arm_flex_deg),
         deg(a.upper_arm_abduction_deg),
         deg(a.girdle_elevation_deg)
@@ -166,7 +170,11 @@ pub(super) fn rula_groups(frame: &Frame, profile: &Profile) -> Vec<Group> {
         step("Upper arm", upper_arm_entry(frame), bare.upper_arm, &arm_ticks(s), r.upper_arm),
         step(
             "Lower arm",
-            format!("elbow flexion {}", deg(s.elbow_flex_deg)),
+            format!(
+                "elbow flexion {}; wrist {:.0} mm from the midline",
+                deg(s.elbow_flex_deg),
+                1e3 * frame.arm.wrist_lateral_m
+            ),
             bare.lower_arm,
             &[(s.forearm_across_or_out, "across the midline or out to the side", 1)],
             r.lower_arm,
@@ -258,13 +266,13 @@ pub(super) fn reba_groups(frame: &Frame, profile: &Profile) -> Vec<Group> {
         legs,
         look_up(
             "Table A",
-            format!("neck {}, row trunk {}", r.neck, r.trunk),
+            format!("row neck {}, trunk {}", r.neck, r.trunk),
             "legs",
             a_cells,
             usize::from(r.legs) - 1,
         ),
         plain("Load or force", load_entry(s), r.load),
-        total("Score A", "at most 12", &[("A", r.table_a), ("load", r.load)], r.score_a),
+        total("Score A", ", at most 12", &[("A", r.table_a), ("load", r.load)], r.score_a),
     ];
     let wrist_ticks = [(s.wrist_deviated || s.wrist_twist_end, "deviated or twisted", 1)];
     let arm = vec![
@@ -273,13 +281,13 @@ pub(super) fn reba_groups(frame: &Frame, profile: &Profile) -> Vec<Group> {
         step("Wrist", wrist_entry(frame), bare.wrist, &wrist_ticks, r.wrist),
         look_up(
             "Table B",
-            format!("upper arm {}, lower arm {}", r.upper_arm, r.lower_arm),
+            format!("row upper arm {}, lower arm {}", r.upper_arm, r.lower_arm),
             "wrist",
             b_cells,
             usize::from(r.wrist) - 1,
         ),
         plain("Coupling", coupling_word(r.coupling).to_owned(), r.coupling),
-        total("Score B", "at most 12", &[("B", r.table_b), ("coupling", r.coupling)], r.score_b),
+        total("Score B", ", at most 12", &[("B", r.table_b), ("coupling", r.coupling)], r.score_b),
         look_up(
             "Table C",
             format!("row score A {}", r.score_a),
@@ -288,7 +296,7 @@ pub(super) fn reba_groups(frame: &Frame, profile: &Profile) -> Vec<Group> {
             usize::from(r.score_b) - 1,
         ),
         plain("Activity", activity_entry(s), r.activity),
-        total("REBA", "at most 15", &[("C", r.score_c), ("activity", r.activity)], r.total),
+        total("REBA", ", at most 15", &[("C", r.score_c), ("activity", r.activity)], r.total),
     ];
     vec![
         Group { title: "A. Neck, trunk and legs", lines: trunk },
@@ -339,7 +347,7 @@ fn activity_entry(s: &Worksheet) -> String {
 fn load_entry(s: &Worksheet) -> String {
     let how = if s.load_static_or_repeated { "static or repeated" } else { "intermittent" };
     let shock = if s.load_shock { ", shock" } else { "" };
-    format!("{} kg, {how}{shock}", s.load_kg)
+    format!("{} kg, {how}{shock}", (s.load_kg * 1e3).round() / 1e3)
 }
 
 fn legs_entry(s: &Worksheet) -> String {

@@ -52,7 +52,9 @@ pub fn sheet_files(picked: &Picked) -> Result<Vec<(String, Vec<u8>)>, ReportErro
 
 const STYLE: &str = "
 .sheet td.n.score { font-weight: 680; font-size: 1.05em; width: 3.2em; }
-.sheet th[scope=row] { width: 8.5em; }
+.sheet { table-layout: fixed; }
+.sheet th:first-child { width: 9.5em; }
+.sheet th.n { width: 4em; }
 .sheet tr.sum > * { background: #edf0f4; }
 .sheet tr.look > * { border-bottom: 0; }
 .strip { display: inline-flex; flex-wrap: wrap; margin-top: 3px; }

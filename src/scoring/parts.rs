@@ -3,6 +3,9 @@
 use super::frames::Frame;
 use crate::ergonomics::PartTimeline;
 
+/// What rounding may move, deg.
+const LEAST_DEG: f64 = 1e-3;
+
 /// One angle of a body part.
 #[derive(Debug, Clone, Copy)]
 pub struct Angle {
@@ -147,10 +150,12 @@ impl Part {
         self.bears && 2 * high > all
     }
 
-    /// Whether the part moves at all: a neck or knee that is set by a rule does not.
+    /// Whether the part moves at all: a neck or knee that is set by a rule does not, and says nothing
+    /// about time.
     pub(super) fn is_measured(&self, frames: &[Frame]) -> bool {
         let Some(first) = frames.first() else { return false };
-        self.angles.iter().any(|a| frames.iter().any(|f| (a.of)(f) != (a.of)(first)))
-            || self.bears && self.name != "neck"
+        let moves = |f: &Frame, a: &Angle| ((a.of)(f) - (a.of)(first)).abs() > LEAST_DEG;
+        self.angles.iter().any(|a| frames.iter().any(|f| moves(f, a)))
+            || !["neck", "legs"].contains(&self.name)
     }
 }

@@ -177,7 +177,7 @@ pub fn inputs(
     let load = declared.load_kg.unwrap_or(0.0);
     let class = usize::from(declared.coupling.unwrap_or(0)).min(3);
     all.extend([
-        line("load on the hand", given(declared.load_kg.is_some()), format!("{load} kg")),
+        line("load on the hand", given(declared.load_kg.is_some()), format!("{} kg", grams(load))),
         line("shock or rapid build-up of force", given(declared.shock), yes(declared.shock)),
         line("coupling", given(declared.coupling.is_some()), coupling[class].to_owned()),
         line("arm supported", given(declared.arm_supported), yes(declared.arm_supported)),
@@ -187,6 +187,11 @@ pub fn inputs(
         line("convention", Origin::FromTheTask, format!("profile {}", profile.name)),
     ]);
     all
+}
+
+/// A load in kg to the gram, without the digits of rounding.
+pub(super) fn grams(load_kg: f64) -> f64 {
+    (load_kg * 1e3).round() / 1e3
 }
 
 fn open_or(answer: Answer) -> String {
@@ -221,6 +226,9 @@ fn posture_inputs(motion: &Motion, declared: &Declared, side: Side) -> Vec<Input
         });
     }
     all.push(match declared.neck_for(motion) {
+        Neck::Measured if motion.kind == MotionKind::Recording => {
+            line("neck".to_owned(), motion.origin, "recorded head against recorded chest")
+        }
         Neck::Measured => line("neck".to_owned(), motion.origin, from),
         rule => {
             let origin = if declared.neck.is_some_and(|n| n == rule) {
@@ -239,6 +247,10 @@ fn posture_inputs(motion: &Motion, declared: &Declared, side: Side) -> Vec<Input
     all.push(if declared.seated {
         line("legs".to_owned(), Origin::FromTheTask, "sitting")
     } else if motion.has_knees() {
+        let from = match motion.kind {
+            MotionKind::Recording => "recorded joint centres; the more bent knee",
+            _ => from,
+        };
         line("knees".to_owned(), motion.origin, from)
     } else {
         line("knees".to_owned(), Origin::Assumed, "straight")

@@ -146,10 +146,14 @@ pub struct PartSummary {
     pub rula_steps: Vec<f64>,
     /// Share of the time at each step score of REBA, from the lowest.
     pub reba_steps: Vec<f64>,
+    /// Whether the angles are those of the motion, not of a rule.
+    pub is_measured: bool,
     /// Longest hold, s.
     pub longest_hold_s: f64,
     /// Holds of at least 10 s.
     pub holds: usize,
+    /// Movements, away and back, in all tracks.
+    pub movements: usize,
     /// Movements a minute, away and back.
     pub movements_per_min: f64,
     /// Whether it is held for longer than a minute.
@@ -370,6 +374,8 @@ fn parts(scored: &ScoredSide) -> Vec<PartSummary> {
                 angles: part.angles.iter().map(spread).collect(),
                 rula_steps: steps(part.rula),
                 reba_steps: steps(part.reba),
+                is_measured: scored.tracks.iter().any(|t| part.is_measured(&t.frames)),
+                movements,
                 longest_hold_s: longest.fold(0.0, f64::max),
                 holds: times().map(|t| t.holds.len()).sum(),
                 movements_per_min: movements as f64 * 60.0 / observed.max(f64::MIN_POSITIVE),

@@ -1,6 +1,7 @@
 //! The postures that an ergonomist would pick by eye: the worst, the longest held, the heaviest.
 
 use super::frames::{Frame, ScoredSide, ScoredTrack};
+use super::setup::grams;
 use serde::Serialize;
 
 /// Why a frame was picked.
@@ -64,7 +65,7 @@ pub fn views(side: &ScoredSide) -> Vec<View> {
         let load = side.task.load_kg;
         let moment = load * 9.81 * f.reach_m;
         let why = if load > 0.0 {
-            format!("{load} kg at {:.2} m before L5/S1: {moment:.0} N m", f.reach_m)
+            format!("{} kg at {:.2} m before L5/S1: {moment:.0} N m", grams(load), f.reach_m)
         } else {
             format!("no load; the hand is {:.2} m before L5/S1", f.reach_m)
         };

@@ -31,7 +31,9 @@ impl Weighted {
 
     /// Share of the time for which a claim holds.
     pub(super) fn share(&self, claim: impl Fn(f64) -> bool) -> f64 {
-        self.pairs.iter().filter(|(v, _)| claim(*v)).map(|(_, w)| w).sum::<f64>() / self.total
+        let time = self.pairs.iter().filter(|(v, _)| claim(*v)).map(|(_, w)| w).sum::<f64>();
+        // The sum of nothing is -0.
+        (time + 0.0) / self.total
     }
 
     /// The value farthest from zero.
