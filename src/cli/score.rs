@@ -27,7 +27,7 @@ pub(super) struct Args {
     /// `-` or nothing prints the table.
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// Convention of scoring: vignais2017, paper_strict, cornell2001 or reference.
+    /// Convention of scoring: `vignais2017`, `paper_strict`, `cornell2001` or `reference`.
     #[arg(long, value_parser = parse_profile, default_value = "vignais2017", value_name = "NAME")]
     pub profile: Profile,
     /// Body: a shipped one by name, or a URDF made by `ergopath body`.
@@ -65,16 +65,16 @@ pub(super) struct Args {
 #[allow(clippy::struct_excessive_bools, reason = "a worksheet is a list of boxes to tick")]
 pub(super) struct TaskArgs {
     /// Load on each scored hand, kg.
-    #[arg(long, value_name = "KG", value_parser = not_negative, conflicts_with = "scenario")]
+    #[arg(long, value_name = "KG", value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "scenario")]
     pub load_kg: Option<f64>,
     /// Hold on the load (REBA): good, fair, poor or unacceptable.
     #[arg(long, value_name = "CLASS", value_parser = parse_coupling, conflicts_with = "scenario")]
     pub coupling: Option<u8>,
     /// How often the movement is repeated.
-    #[arg(long, value_name = "N", value_parser = not_negative, conflicts_with = "scenario")]
+    #[arg(long, value_name = "N", value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "scenario")]
     pub cycles_per_min: Option<f64>,
     /// Longest time for which a posture is held, s.
-    #[arg(long, value_name = "S", value_parser = not_negative, conflicts_with = "scenario")]
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "scenario")]
     pub hold_s: Option<f64>,
     /// Shock, or force that builds up rapidly.
     #[arg(long, conflicts_with = "scenario")]

@@ -9,6 +9,7 @@ use crate::ergonomics::{
     rula_table_a, rula_table_b, rula_table_c,
 };
 use crate::scoring::Frame;
+use std::fmt::Write as _;
 
 /// One line of the sheet.
 #[derive(Debug, Clone)]
@@ -52,8 +53,8 @@ fn step(name: &'static str, entered: String, class: u8, ticks: &[Tick], score: u
     let mut sum = class.to_string();
     let mut added = i32::from(class);
     for (_, name, points) in ticks.iter().filter(|t| t.0) {
-        sum +=
-            &format!(" {} {} ({name})", if *points < 0 { "\u{2212}" } else { "+" }, points.abs());
+        let sign = if *points < 0 { "\u{2212}" } else { "+" };
+        let _ = write!(sum, " {sign} {} ({name})", points.abs());
         added += i32::from(*points);
     }
     if added != i32::from(score) {
@@ -94,8 +95,18 @@ fn total(name: &'static str, most: &'static str, parts: &[(&str, u8)], score: u8
 fn deg(angle: f64) -> String {
     // Adding 0 turns -0 into 0.
     let rounded = (angle * 10.0).round() / 10.0 + 0.0;
-    let sign = if rounded < 0.0 { "\u{2212}" } else { "" };
-    format!("{sign}{:.1}\u{b0}", rounded.abs())
+    // Thresholds are whole degrees: 20.04 must not be read as 20.
+    let is_near = rounded.fract() == 0.0 && (angle - rounded).abs() >= 0.005;
+    let (shown, digits) = if is_near { ((angle * 100.0).round() / 100.0, 2) } else { (rounded, 1) };
+    let sign = if shown < 0.0 { "\u{2212}" } else { "" };
+    format!("{sign}{:.digits$}\u{b0}", shown.abs())
+}
+
+/// Where the wrist is beside the midline of the trunk.
+fn lateral(frame: &Frame) -> String {
+    let mm = 1e3 * frame.arm.wrist_lateral_m;
+    let side = if mm < 0.0 { "across" } else { "from" };
+    format!("{:.0} mm {side} the midline", mm.abs())
 }
 
 /// The sheet without a ticked box: its scores are those of the angles alone.
@@ -170,11 +181,7 @@ pub(super) fn rula_groups(frame: &Frame, profile: &Profile) -> Vec<Group> {
         step("Upper arm", upper_arm_entry(frame), bare.upper_arm, &arm_ticks(s), r.upper_arm),
         step(
             "Lower arm",
-            format!(
-                "elbow flexion {}; wrist {:.0} mm from the midline",
-                deg(s.elbow_flex_deg),
-                1e3 * frame.arm.wrist_lateral_m
-            ),
+            format!("elbow flexion {}; wrist {}", deg(s.elbow_flex_deg), lateral(frame)),
             bare.lower_arm,
             &[(s.forearm_across_or_out, "across the midline or out to the side", 1)],
             r.lower_arm,

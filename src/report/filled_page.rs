@@ -4,7 +4,7 @@ use super::ReportError;
 use super::filled::{Group, TableRow, csv_text, reba_groups, rula_groups};
 use super::page::document;
 use super::style::{Level, REBA_LEVELS, RULA_LEVELS, css};
-use crate::ergonomics::{Profile, reba_action_words, rula_action_words};
+use crate::ergonomics::{Profile, TaskInputs, reba_action_words, rula_action_words};
 use crate::scenario::Origin;
 use crate::scoring::{Frame, Input, MotionKind, ScoredSide, Summary, word};
 use maud::{Markup, PreEscaped, html};
@@ -55,6 +55,7 @@ const STYLE: &str = "
 .sheet { table-layout: fixed; }
 .sheet th:first-child { width: 9.5em; }
 .sheet th.n { width: 4em; }
+.sheet.inputs th:first-child { width: 17em; }
 .sheet tr.sum > * { background: #edf0f4; }
 .sheet tr.look > * { border-bottom: 0; }
 .strip { display: inline-flex; flex-wrap: wrap; margin-top: 3px; }
@@ -95,6 +96,7 @@ fn page(picked: &Picked, frame: &Frame) -> String {
             h2 { "RULA" }
             (groups(&rula_groups(frame, &s.profile)))
             (total("Grand score", rula.grand, rula.action_level, &RULA_LEVELS, rula_action_words(rula.action_level)))
+            @if picked.side.muscle.is_open() { (if_muscle_use(picked, frame)) }
             p.note.small { "RULA: Applied Ergonomics 24(2):91-99, 1993. Muscle use and force count in both groups." }
         }
         section.method {
@@ -112,6 +114,20 @@ fn page(picked: &Picked, frame: &Frame) -> String {
         }
     };
     document(&title, &intro, &body)
+}
+
+/// Totals for the other answer to a question that the motion is too short for.
+fn if_muscle_use(picked: &Picked, frame: &Frame) -> Markup {
+    let mut other = *frame;
+    let task =
+        TaskInputs { static_gt_1min: true, load_static_or_repeated: true, ..picked.side.task };
+    other.enter(&task, &picked.summary.profile);
+    html! {
+        p.note {
+            "Whether the posture is held for more than 1 min, or the movement repeated more than 4 times a minute, is open. \
+             If so: RULA " strong { (other.rula.grand) } ", REBA " strong { (other.reba.total) } "."
+        }
+    }
 }
 
 fn kind(kind: MotionKind) -> &'static str {
@@ -183,7 +199,7 @@ fn total(name: &str, score: u8, level: u8, levels: &[Level], words: &str) -> Mar
 
 fn inputs(inputs: &[Input]) -> Markup {
     html! {
-        table.sheet {
+        table.sheet.inputs {
             thead { tr { th scope="col" { "Input" } th scope="col" { "Value" } th scope="col" { "Where from" } } }
             tbody {
                 @for i in inputs {

@@ -21,6 +21,7 @@ pub enum Neck {
 
 /// Inputs given with the command or the scenario; `None` is not given.
 #[derive(Debug, Clone, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "a worksheet is a list of boxes to tick")]
 pub struct Declared {
     /// Load on the hand, kg.
     pub load_kg: Option<f64>,

@@ -40,7 +40,7 @@ pub fn read_angles(
         columns.refuse_degrees(path, &table, row)?;
         let name = columns.track.map_or_else(|| "1".to_owned(), |c| values[c].to_string());
         let posture = columns.posture(values, &surveyor, &pelvis);
-        push(path, &mut tracks, (row, name), values[columns.time], posture)?;
+        push(path, &mut tracks, (row, name), values[columns.time], &posture)?;
     }
     let mut notes = Vec::new();
     notes.extend(columns.beyond_ranges(&table, body));
@@ -68,7 +68,7 @@ fn push(
     tracks: &mut Vec<Track>,
     (row, name): (usize, String),
     time: f64,
-    posture: WholePosture,
+    posture: &WholePosture,
 ) -> Result<(), InputError> {
     let is_next = tracks.last().is_some_and(|t| t.name == name);
     if !is_next {
@@ -86,7 +86,7 @@ fn push(
             .remedy("times must increase; mark several movements in a column `trial`"));
     }
     track.time_s.push(time);
-    track.postures.push(posture);
+    track.postures.push(*posture);
     Ok(())
 }
 
