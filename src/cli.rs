@@ -29,6 +29,9 @@ mod experiment_size;
 mod inspect;
 mod plan;
 mod progress;
+mod score;
+mod score_motion;
+mod score_print;
 mod train;
 
 use clap::{Parser, Subcommand};
@@ -54,6 +57,8 @@ enum Command {
     Plan(plan::PlanArgs),
     /// Scores the paths that you have now, as they are, without planning.
     Assess(plan::AssessArgs),
+    /// Scores a motion, sampled postures or filled-in worksheets by RULA and REBA.
+    Score(Box<score::Args>),
     /// Plans several scenarios and puts them into one table; one failure does not stop the others.
     Batch(batch::BatchArgs),
     /// Puts finished runs into one table.
@@ -86,6 +91,7 @@ pub fn main() -> ExitCode {
         Command::Body(args) => body::run(&args),
         Command::Plan(args) => plan::plan(&args),
         Command::Assess(args) => plan::assess(&args),
+        Command::Score(args) => score::run(&args),
         Command::Batch(args) => batch::batch(&args),
         Command::Compare(args) => batch::compare(&args),
         Command::Train(args) => train::run(&args),

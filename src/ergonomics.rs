@@ -38,6 +38,7 @@ mod rula_continuous;
 mod sensitivity;
 mod smooth;
 mod tables;
+mod timeline;
 mod worksheet;
 mod zones;
 
@@ -87,7 +88,8 @@ pub use smooth::{
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };
+pub use timeline::{Clock, Hold, PartTimeline, Shown, TimeRules};
 pub use worksheet::Worksheet;
 pub use zones::{
-    Hold, PartTimes, PartZone, PostureZone, STATIC_FROM_S, ZonePart, ZoneSettings, zone_times,
+    PartTimes, PartZone, PostureZone, STATIC_FROM_S, ZoneHold, ZonePart, ZoneSettings, zone_times,
 };

@@ -49,6 +49,7 @@ pub mod recording;
 pub mod report;
 pub mod robot;
 pub mod scenario;
+pub mod scoring;
 pub mod survey;
 pub mod training;
 pub mod trajectory;

@@ -7,6 +7,7 @@
 //!           ─► page*   report.html
 //! result.json of several runs ─► comparison     comparison.csv, comparison.html
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
+//! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! SizeExperiment ─► size          size.png, size.csv, size.json
 //! ```
 //!
@@ -17,6 +18,8 @@ mod figure_box;
 mod figure_growth;
 mod figure_paths;
 mod figure_scores;
+mod filled;
+mod filled_page;
 mod page;
 mod page_evidence;
 mod page_scores;
@@ -33,6 +36,7 @@ mod view;
 pub use comparison::{ComparisonRow, Difference, RowState, comparison};
 pub use figure_box::{BoxPanel, box_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
+pub use filled_page::{Picked, sheet_files};
 pub use size::size_files;
 
 use crate::planner::RunResult;

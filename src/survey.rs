@@ -1,5 +1,9 @@
 //! From joint angles to body angles and their scores: fills the worksheets from forward kinematics.
 
+mod whole;
+
+pub use whole::{WholePosture, WholeSurveyor};
+
 use crate::ergonomics::Side as ScoreSide;
 use crate::ergonomics::{
     ArmAngles, ArmPose, BodyPose, Profile, RebaSteps, RulaSteps, TaskInputs, TrunkNeckAngles,
@@ -116,8 +120,8 @@ struct ArmSegments {
 }
 
 impl Measured {
-    fn new(body: &Body, side: Side) -> Result<Self, InputError> {
-        let skeleton = Skeleton::new(body, side, false)?;
+    fn new(body: &Body, side: Side, with_legs: bool) -> Result<Self, InputError> {
+        let skeleton = Skeleton::new(body, side, with_legs)?;
         let arms = [side, side.other()].map(|side| {
             let of = |part: &str| skeleton.segment(&format!("{}{part}", side.prefix()));
             ArmSegments {
@@ -155,7 +159,7 @@ impl Surveyor {
     pub fn new(body: &Body, side: Side, pelvis: Pose, stance: Stance) -> Result<Self, InputError> {
         let whole = Skeleton::new(body, side, true)?;
         let is_seated = matches!(stance, Stance::Seated { .. });
-        Ok(Self { upper: Measured::new(body, side)?, whole, pelvis, side, is_seated })
+        Ok(Self { upper: Measured::new(body, side, false)?, whole, pelvis, side, is_seated })
     }
 
     /// Body angles of the posture `q` (n joints of the coupled chain, rad).
@@ -164,7 +168,7 @@ impl Surveyor {
         let posed = parts.skeleton.pose(&whole_posture(&parts.skeleton, self.side, q));
         let mut body = self.body_pose(&posed);
         let neutral = trunk_neck_angles(&body);
-        let [arm, other] = parts.arms.map(|a| arm_angles(&body, &self.arm_pose(&posed, a, &body)));
+        let [arm, other] = parts.arms.map(|a| measure_arm(&posed, &self.pelvis, a, &body));
         body.head = self.sight(&posed).head();
         PostureAngles { neutral, gaze: trunk_neck_angles(&body), arm, other }
     }
@@ -186,29 +190,6 @@ impl Surveyor {
         let at = |segment: Segment| self.pelvis * posed.at(segment);
         let (head, hand) = (at(self.upper.head), at(self.upper.grip));
         Sight::new(&at(self.upper.t8), &head.translation.vector, &hand.translation.vector)
-    }
-
-    fn arm_pose(&self, posed: &PosedSkeleton, segments: ArmSegments, body: &BodyPose) -> ArmPose {
-        let at = |segment: Segment| self.pelvis * posed.at(segment);
-        let (girdle, upper) = (at(segments.girdle), at(segments.upper));
-        let (fore, hand) = (at(segments.fore), at(segments.hand));
-        let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
-        ArmPose {
-            side: match segments.side {
-                Side::Right => ScoreSide::Right,
-                Side::Left => ScoreSide::Left,
-            },
-            upper_arm: rotation(&upper),
-            forearm: rotation(&fore),
-            hand: rotation(&hand),
-            shoulder: upper.translation.vector,
-            elbow: fore.translation.vector,
-            wrist: hand.translation.vector,
-            sternoclavicular: girdle.translation.vector,
-            // The clavicle of our bodies is level at zero.
-            girdle_neutral_deg: 0.0,
-            shoulder_lateral_m: lateral.z.abs(),
-        }
     }
 
     /// Bones as segments in the world, for drawings.
@@ -242,6 +223,49 @@ impl Surveyor {
         bones.push([head.translation.vector.into(), crown.coords.into()]);
         bones
     }
+}
+
+/// Angles of one arm of a posed skeleton whose pelvis is at `pelvis` in the world.
+fn measure_arm(
+    posed: &PosedSkeleton,
+    pelvis: &Pose,
+    segments: ArmSegments,
+    body: &BodyPose,
+) -> ArmAngles {
+    arm_angles(body, &arm_pose(posed, pelvis, segments, body))
+}
+
+fn arm_pose(
+    posed: &PosedSkeleton,
+    pelvis: &Pose,
+    segments: ArmSegments,
+    body: &BodyPose,
+) -> ArmPose {
+    let at = |segment: Segment| pelvis * posed.at(segment);
+    let (girdle, upper) = (at(segments.girdle), at(segments.upper));
+    let (fore, hand) = (at(segments.fore), at(segments.hand));
+    let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
+    ArmPose {
+        side: match segments.side {
+            Side::Right => ScoreSide::Right,
+            Side::Left => ScoreSide::Left,
+        },
+        upper_arm: rotation(&upper),
+        forearm: rotation(&fore),
+        hand: rotation(&hand),
+        shoulder: upper.translation.vector,
+        elbow: fore.translation.vector,
+        wrist: hand.translation.vector,
+        sternoclavicular: girdle.translation.vector,
+        // The clavicle of our bodies is level at zero.
+        girdle_neutral_deg: 0.0,
+        shoulder_lateral_m: lateral.z.abs(),
+    }
+}
+
+/// Head that faces a hand.
+fn gaze(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Rotation {
+    Sight::new(thorax, head_at, hand).head()
 }
 
 fn rotation(pose: &Pose) -> Rotation {

@@ -17,7 +17,7 @@ const FLOORS: &[&[&str]] = &[
     &["human", "robot", "ergonomics"],
     &["posture", "path", "recording", "survey"],
     &["scenario", "training"],
-    &["planner"],
+    &["planner", "scoring"],
     &["report", "ergobench"],
     &["cli"],
 ];

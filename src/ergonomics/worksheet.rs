@@ -126,6 +126,39 @@ impl Worksheet {
             coupling: values[25] as u8,
         }
     }
+
+    /// The row of the sheet, in the order of [`Worksheet::COLUMNS`]; a ticked box is 1.
+    pub fn values(&self) -> [f64; 26] {
+        let tick = |b: bool| f64::from(u8::from(b));
+        [
+            self.upper_arm_flex_deg,
+            tick(self.shoulder_raised),
+            tick(self.upper_arm_abducted),
+            tick(self.arm_supported),
+            self.elbow_flex_deg,
+            tick(self.forearm_across_or_out),
+            self.wrist_flex_deg,
+            tick(self.wrist_deviated),
+            tick(self.wrist_twist_end),
+            self.neck_flex_deg,
+            tick(self.neck_twisted),
+            tick(self.neck_side),
+            self.trunk_flex_deg,
+            tick(self.trunk_twisted),
+            tick(self.trunk_side),
+            tick(self.trunk_seated_supported),
+            tick(self.legs_unbalanced),
+            self.knee_flex_deg,
+            tick(self.sitting),
+            self.load_kg,
+            tick(self.load_static_or_repeated),
+            tick(self.load_shock),
+            tick(self.static_gt_1min),
+            tick(self.repeated_gt_4min),
+            tick(self.rapid_large_changes),
+            f64::from(self.coupling),
+        ]
+    }
 }
 
 #[cfg(test)]
@@ -139,6 +172,7 @@ mod tests {
             .map(|i| {
                 let mut values = [0.0; 26];
                 values[i] = 1.0;
+                assert_eq!(Worksheet::from_values(&values).values(), values);
                 Worksheet::from_values(&values)
             })
             .collect();

@@ -102,7 +102,7 @@ impl Default for ZoneSettings {
 
 /// A stretch of time in which a part stays in a zone with a holding time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Hold {
+pub struct ZoneHold {
     /// Start, s after the first sample.
     pub from_s: f64,
     /// Length, s.
@@ -111,7 +111,7 @@ pub struct Hold {
     pub allowed_s: f64,
 }
 
-impl Hold {
+impl ZoneHold {
     /// Whether it is longer than acceptable.
     pub fn is_too_long(&self) -> bool {
         self.duration_s > self.allowed_s
@@ -144,9 +144,9 @@ pub struct PartTimes {
     /// How often the part leaves the acceptable zone; a start outside counts.
     pub departures: usize,
     /// The longest hold in a zone with a holding time.
-    pub longest: Option<Hold>,
+    pub longest: Option<ZoneHold>,
     /// The hold that uses up the largest part of its holding time.
-    pub most_used: Option<Hold>,
+    pub most_used: Option<ZoneHold>,
 }
 
 impl PartTimes {
@@ -180,7 +180,8 @@ fn part_times(part: ZonePart, zones: &[PostureZone], dt: f64) -> PartTimes {
     let starts_out = usize::from(zones.first().is_some_and(is_out));
     let leaves = zones.windows(2).filter(|w| !is_out(&w[0]) && is_out(&w[1])).count();
     let all = holds(zones, dt);
-    let largest = |of: fn(&Hold) -> f64| all.iter().copied().max_by(|a, b| of(a).total_cmp(&of(b)));
+    let largest =
+        |of: fn(&ZoneHold) -> f64| all.iter().copied().max_by(|a, b| of(a).total_cmp(&of(b)));
     PartTimes {
         part,
         acceptable: share(|z| matches!(z, PostureZone::Acceptable)),
@@ -189,12 +190,12 @@ fn part_times(part: ZonePart, zones: &[PostureZone], dt: f64) -> PartTimes {
         not_recommended: share(|z| matches!(z, PostureZone::NotRecommended)),
         departures: starts_out + leaves,
         longest: largest(|h| h.duration_s),
-        most_used: largest(Hold::used),
+        most_used: largest(ZoneHold::used),
     }
 }
 
 /// All stretches in zones with a holding time.
-fn holds(zones: &[PostureZone], dt: f64) -> Vec<Hold> {
+fn holds(zones: &[PostureZone], dt: f64) -> Vec<ZoneHold> {
     let mut found = Vec::new();
     let mut run: Vec<f64> = Vec::new();
     let end = std::iter::once(&PostureZone::Acceptable);
@@ -202,7 +203,7 @@ fn holds(zones: &[PostureZone], dt: f64) -> Vec<Hold> {
         if let PostureZone::UpTo { holding_s } = zone {
             run.push(*holding_s);
         } else if !run.is_empty() {
-            found.push(Hold {
+            found.push(ZoneHold {
                 from_s: (i - run.len()) as f64 * dt,
                 duration_s: run.len() as f64 * dt,
                 allowed_s: run.iter().sum::<f64>() / run.len() as f64,

@@ -5,7 +5,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The files by which a folder is known to be an output of ergopath and may be replaced.
-const MARKS: [&str; 4] = ["result.json", "comparison.csv", "size.json", "toy-5r.json"];
+const MARKS: [&str; 5] =
+    ["result.json", "comparison.csv", "size.json", "toy-5r.json", "summary.json"];
 
 /// A folder of results that appears complete or not at all.
 #[derive(Debug)]

@@ -11,6 +11,7 @@ use maud::{Markup, html};
 
 fn origin_words(origin: Origin) -> &'static str {
     match origin {
+        Origin::Measured => "measured",
         Origin::Predicted => "predicted by the posture model",
         Origin::FromTheTask => "from the task",
         Origin::Assumed => "assumed",

@@ -7,6 +7,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Origin {
+    /// By a recording.
+    Measured,
     /// By the posture model.
     Predicted,
     /// Given in the scenario.

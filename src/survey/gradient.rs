@@ -56,7 +56,7 @@ impl Surveyor {
         if lens.neck == NeckRule::Gaze {
             body.head = sight.head();
         }
-        let arm = self.arm_pose(&posed, coupled, &body);
+        let arm = super::arm_pose(&posed, &self.pelvis, coupled, &body);
         let angles = (trunk_neck_angles(&body), arm_angles(&body, &arm));
         let (task, profile) = (&lens.task, &lens.profile);
         let rula = smooth_rula(&angles.0, &angles.1, task, profile, width_deg);
