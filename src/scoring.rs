@@ -11,6 +11,7 @@ mod frames;
 mod motion;
 mod parts;
 mod setup;
+mod standards;
 mod summary;
 mod table;
 mod views;
@@ -19,6 +20,7 @@ pub use frames::{Frame, ScoredSide, ScoredTrack, frames_csv, score_side};
 pub use motion::{Motion, MotionKind, Track, read_angles, read_recorded};
 pub use parts::{Angle, PARTS, Part, Step};
 pub use setup::{Answer, Declared, Input, Neck, Use, inputs, word};
+pub use standards::{BackTimes, LiftAsked, LubaTimes, OtherMethods};
 pub use summary::{
     AngleSpread, DriverShare, LevelShare, OverRollouts, OverTime, PartSummary, RolloutFigures,
     SCORE_SCHEMA, SideSummary, Summary, TrackMean, summarise,

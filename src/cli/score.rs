@@ -91,6 +91,10 @@ pub(super) struct TaskArgs {
     /// A backrest supports the trunk; needs --seated.
     #[arg(long, conflicts_with = "scenario")]
     pub trunk_supported: bool,
+    /// Hours of lifting a day: the motion is a lift from its first to its last frame, to be judged by
+    /// the NIOSH equation too (two hands, load and rate as given).
+    #[arg(long, value_name = "H", value_parser = not_negative, allow_negative_numbers = true)]
+    pub lift_hours: Option<f64>,
     /// Legs or feet are not evenly loaded.
     #[arg(long, conflicts_with = "scenario")]
     pub legs_unbalanced: bool,

@@ -10,8 +10,8 @@ use crate::recording::read;
 use crate::report::{Picked, sheet_files};
 use crate::scenario::{Scenario, read_scenario};
 use crate::scoring::{
-    Declared, Motion, MotionKind, ScoredSide, Summary, frames_csv, read_angles, read_recorded,
-    score_side, summarise, word,
+    Declared, LiftAsked, Motion, MotionKind, ScoredSide, Summary, frames_csv, read_angles,
+    read_recorded, score_side, summarise, word,
 };
 use std::path::Path;
 
@@ -77,6 +77,7 @@ fn setting(args: &Args) -> Result<Setting, InputError> {
     };
     let mut declared = scenario.as_ref().map_or_else(|| of_flags(args), Declared::of);
     declared.neck = args.neck.or(declared.neck);
+    declared.lift = args.task.lift_hours.map(|hours| LiftAsked { hours });
     let asked = args.side.as_ref().map(|s| s.0.clone());
     let sides = asked.or_else(|| scenario.as_ref().map(coupled)).unwrap_or_default();
     let stance = match (&scenario, declared.seated) {
@@ -108,6 +109,7 @@ fn of_flags(args: &Args) -> Declared {
         legs_unbalanced: t.legs_unbalanced,
         neck: None,
         hanging: None,
+        lift: None,
     }
 }
 

@@ -3,7 +3,10 @@
 use crate::ergonomics::{PairedDifference, Shown};
 use crate::human::Side;
 use crate::scenario::Origin;
-use crate::scoring::{MotionKind, OverRollouts, OverTime, PartSummary, SideSummary, Summary, word};
+use crate::scoring::{
+    DriverShare, MotionKind, OtherMethods, OverRollouts, OverTime, PartSummary, SideSummary,
+    Summary, word,
+};
 use comfy_table::{CellAlignment, Table, presets};
 
 pub(super) fn print_text(s: &Summary) {
@@ -41,6 +44,7 @@ pub(super) fn print_text(s: &Summary) {
         );
         print_views(side);
         print_drivers(side);
+        print_other_methods(&side.other_methods);
         print_inputs(side);
     }
 }
@@ -188,8 +192,14 @@ fn print_views(side: &SideSummary) {
 }
 
 fn print_drivers(side: &SideSummary) {
-    let strong: Vec<String> = side
-        .drivers
+    say!();
+    for (name, drivers) in [("RULA", &side.drivers), ("REBA", &side.reba_drivers)] {
+        print_driver_line(name, drivers);
+    }
+}
+
+fn print_driver_line(name: &str, drivers: &[DriverShare]) {
+    let strong: Vec<String> = drivers
         .iter()
         .filter(|d| d.drop >= 0.005)
         .map(|d| format!("{} {:.2}", d.step, d.drop))
@@ -199,7 +209,76 @@ fn print_drivers(side: &SideSummary) {
     } else {
         strong.join(", ")
     };
-    say!("\n  what drives RULA (drop if the step alone were at its lowest): {text}");
+    say!("  what drives {name} (drop if the step alone were at its lowest): {text}");
+}
+
+fn print_other_methods(o: &OtherMethods) {
+    say!("\n  other methods");
+    let categories: Vec<String> = o
+        .luba
+        .categories
+        .iter()
+        .enumerate()
+        .map(|(i, c)| format!("{}: {}", i + 1, percent(*c)))
+        .collect();
+    say!(
+        "    LUBA index {:.1} on average, {} at most; time in category {}",
+        o.luba.mean,
+        o.luba.largest,
+        categories.join("   ")
+    );
+    let mut t = table(
+        &["", "part", "acceptable", "for a time", "conditional", "not recommended", "longest hold"],
+        2,
+    );
+    for (name, parts) in [("ISO 11226", &o.iso_11226), ("EN 1005-4", &o.en_1005_4)] {
+        for (i, p) in parts.iter().enumerate() {
+            let hold = p.longest.map_or_else(String::new, |h| {
+                let over = if p.is_held_too_long() { " too long" } else { "" };
+                format!("{:.1} of {:.0} s{over}", h.duration_s, h.allowed_s)
+            });
+            t.add_row([
+                if i == 0 { name.to_owned() } else { String::new() },
+                p.part.name().to_owned(),
+                percent(p.acceptable),
+                percent(p.up_to),
+                percent(p.conditional),
+                percent(p.not_recommended),
+                hold,
+            ]);
+        }
+    }
+    say!("{}", indented_once(&t));
+    if o.en_1005_4_rate_assumed {
+        say!("    EN 1005-4 for twice a minute or more (assumed; --cycles-per-min settles it)");
+    }
+    say!(
+        "    back: spine joints add up to {:.0} deg of rotation ({:.0} deg flexion) on average; trunk \
+         inclination {:.0} deg s in all, {:.1} deg on average",
+        o.back.rotation_deg,
+        o.back.flexion_deg,
+        o.back.exposure.integral_deg_s,
+        o.back.exposure.mean_deg
+    );
+    if let Some(lift) = &o.lift {
+        say!(
+            "    NIOSH: recommended weight limit {:.1} kg, lifting index {}",
+            lift.recommended_kg,
+            lift.lifting_index
+                .map_or_else(|| "none: no load may be lifted so".to_owned(), |l| format!("{l:.2}"))
+        );
+        for note in &lift.notes {
+            say!("      {}", note.words());
+        }
+    }
+    say!(
+        "    Zones and points are from secondary sources or memory where no paper was at hand (summary.json)."
+    );
+}
+
+fn indented_once(table: &Table) -> String {
+    let text = table.trim_fmt();
+    text.lines().map(|l| format!("   {l}")).collect::<Vec<_>>().join("\n")
 }
 
 fn print_inputs(side: &SideSummary) {

@@ -70,15 +70,17 @@ fn run(speed: &str, with_own_path: bool) -> RunResult {
     let file = room.path().join("scenario.toml");
     std::fs::write(&file, text).unwrap();
     let mut preset = load_preset("quick").unwrap();
-    (preset.samples, preset.steps) = (3, 40);
-    (preset.rollouts_search, preset.rollouts_final, preset.shortlist) = (3, 12, 3);
+    (preset.population, preset.generations, preset.steps) = (5, 2, 40);
+    (preset.rollouts_first, preset.rollouts_most, preset.rollouts_final) = (2, 3, 12);
+    (preset.shortlist, preset.reported, preset.baseline_generations) = (3, 2, 1);
     let request = Request {
         command: "ergopath plan scenario.toml".into(),
         seed: 1,
         preset,
         keeps_rollouts: false,
+        resume: None,
     };
-    plan(&read_scenario(&file).unwrap(), &request, &|_, _, _| true).unwrap()
+    plan(&read_scenario(&file).unwrap(), &request, &|_| true).unwrap()
 }
 
 fn feasible() -> &'static RunResult {

@@ -4,11 +4,12 @@ use super::motion::{Motion, Track};
 use super::parts::{PARTS, Part};
 use super::setup::{Answer, Declared, Neck, Use, word};
 use crate::ergonomics::{
-    ArmAngles, Clock, PartTimeline, Profile, RebaSteps, RulaSteps, Shown, TaskInputs, TimeRules,
-    TrunkNeckAngles, Worksheet, reba, rula, worksheet,
+    ArmAngles, BackAngle, Clock, PartTimeline, Profile, RebaSteps, RulaSteps, Shown, TaskInputs,
+    TimeRules, TrunkNeckAngles, Worksheet, reba, rula, worksheet,
 };
 use crate::files::InputError;
 use crate::human::Side;
+use crate::math::Vec3;
 use crate::survey::WholePosture;
 
 /// One posture of one side, on its sheet.
@@ -24,6 +25,14 @@ pub struct Frame {
     pub knee_deg: f64,
     /// Horizontal distance of the wrist from L5/S1, m.
     pub reach_m: f64,
+    /// The wrist in the world, m.
+    pub hand_m: Vec3,
+    /// Point midway between the ankles in the world, m.
+    pub ankles_m: Vec3,
+    /// Forward direction of the pelvis.
+    pub facing: Vec3,
+    /// The spine's joints added up.
+    pub back: BackAngle,
     /// The filled-in sheet.
     pub sheet: Worksheet,
     /// RULA.
@@ -147,6 +156,10 @@ impl Look<'_> {
             arm,
             knee_deg,
             reach_m: posture.reach_m(self.side),
+            hand_m: posture.hand_m(self.side),
+            ankles_m: posture.ankles_m,
+            facing: posture.facing,
+            back: posture.back,
             sheet,
             rula: rula(&sheet, self.profile),
             reba: reba(&sheet, self.profile),

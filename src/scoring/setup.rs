@@ -1,6 +1,7 @@
 //! What no motion shows: load, coupling, support, stance; and where every input comes from.
 
 use super::motion::{Motion, MotionKind};
+use super::standards::LiftAsked;
 use crate::ergonomics::{Profile, Shown, TaskInputs};
 use crate::human::{Side, Stance};
 use crate::scenario::{Origin, OtherArm, Scenario};
@@ -45,6 +46,8 @@ pub struct Declared {
     pub neck: Option<Neck>,
     /// A coupled side whose other arm hangs, as a scenario says.
     pub hanging: Option<Side>,
+    /// Ask for the lifting equation.
+    pub lift: Option<LiftAsked>,
 }
 
 impl Declared {
@@ -66,6 +69,7 @@ impl Declared {
                 NeckRule::Neutral => Neck::Neutral,
                 NeckRule::Gaze => Neck::Gaze,
             }),
+            lift: None,
             hanging: (w.other_arm == OtherArm::Hanging).then(|| w.side.other()),
         }
     }
@@ -185,7 +189,11 @@ pub fn inputs(
         line("posture held > 1 min", muscle.held.origin, open_or(muscle.held)),
         line("repeated > 4 a minute", muscle.repeated.origin, open_or(muscle.repeated)),
         line("rapid large changes", muscle.rapid.origin, yes(muscle.rapid.is)),
-        line("convention", Origin::FromTheTask, format!("profile {}", profile.name)),
+        line(
+            "convention",
+            given(*profile != Profile::default()),
+            format!("profile {}", profile.name),
+        ),
     ]);
     all
 }

@@ -3,13 +3,15 @@
 mod spread;
 mod totals;
 
-use super::frames::ScoredSide;
+use super::frames::{Frame, ScoredSide};
 use super::motion::{Motion, MotionKind};
 use super::parts::PARTS;
 use super::setup::{Declared, Input, Use, inputs};
+use super::standards::{OtherMethods, other_methods};
 use super::views::{View, views};
 use crate::ergonomics::{
-    Profile, REBA_WORST, RULA_WORST, RulaStep, ScoreDistribution, Shown, TimeRules, drivers,
+    Profile, REBA_WORST, RULA_WORST, RebaStep, RulaStep, ScoreDistribution, Shown, TimeRules,
+    drivers, reba_drivers,
 };
 use crate::human::Side;
 use serde::Serialize;
@@ -67,6 +69,10 @@ pub struct SideSummary {
     pub parts: Vec<PartSummary>,
     /// What drives RULA, strongest first.
     pub drivers: Vec<DriverShare>,
+    /// What drives REBA, strongest first.
+    pub reba_drivers: Vec<DriverShare>,
+    /// What other methods say.
+    pub other_methods: OtherMethods,
     /// Frames worth a look.
     pub views: Vec<View>,
     /// Muscle use and activity.
@@ -237,6 +243,8 @@ fn side_summary(
         }),
         parts: parts(scored),
         drivers: driver_shares(scored, profile),
+        reba_drivers: reba_driver_shares(scored, profile),
+        other_methods: other_methods(motion, scored, declared),
         views: views(scored),
         muscle: scored.muscle,
         inputs: inputs(motion, declared, scored.side, &scored.muscle, profile),
@@ -305,35 +313,42 @@ fn most_telling(all: impl Iterator<Item = Shown>) -> Shown {
 }
 
 fn driver_shares(scored: &ScoredSide, profile: &Profile) -> Vec<DriverShare> {
-    let mut sums = [[0.0f64; 2]; RulaStep::ALL.len()];
+    let names = RulaStep::ALL.map(RulaStep::name);
+    shares_of(scored, names, |frame| {
+        drivers(&frame.sheet, profile).map(|d| (d.step.value(&frame.rula), d.drop))
+    })
+}
+
+fn reba_driver_shares(scored: &ScoredSide, profile: &Profile) -> Vec<DriverShare> {
+    let names = RebaStep::ALL.map(RebaStep::name);
+    shares_of(scored, names, |frame| {
+        reba_drivers(&frame.sheet, profile).map(|d| (d.step.value(&frame.reba), d.drop))
+    })
+}
+
+/// Time-weighted means of (step score, drop of the total) of each step, largest drop first.
+fn shares_of<const N: usize>(
+    scored: &ScoredSide,
+    names: [&'static str; N],
+    of: impl Fn(&Frame) -> [(u8, u8); N],
+) -> Vec<DriverShare> {
+    let mut sums = [[0.0f64; 2]; N];
     let mut total = 0.0;
     for track in &scored.tracks {
         for (frame, weight) in track.frames.iter().zip(&track.weights_s) {
-            let s = frame.rula;
-            let steps = [
-                s.upper_arm,
-                s.lower_arm,
-                s.wrist,
-                s.wrist_twist,
-                s.neck,
-                s.trunk,
-                s.legs,
-                s.muscle,
-                s.force,
-            ];
-            for (i, driver) in drivers(&frame.sheet, profile).iter().enumerate() {
-                sums[i][0] += weight * f64::from(steps[i]);
-                sums[i][1] += weight * f64::from(driver.drop);
+            for (sum, (step, drop)) in sums.iter_mut().zip(of(frame)) {
+                sum[0] += weight * f64::from(step);
+                sum[1] += weight * f64::from(drop);
             }
             total += weight;
         }
     }
-    let share = |(step, [mean, drop]): (&RulaStep, &[f64; 2])| DriverShare {
-        step: step.name(),
+    let share = |(step, [mean, drop]): (&'static str, [f64; 2])| DriverShare {
+        step,
         mean: mean / total,
         drop: drop / total,
     };
-    let mut all: Vec<DriverShare> = RulaStep::ALL.iter().zip(&sums).map(share).collect();
+    let mut all: Vec<DriverShare> = names.into_iter().zip(sums).map(share).collect();
     all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
     all
 }

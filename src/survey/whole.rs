@@ -1,7 +1,9 @@
 //! A whole posture: trunk, neck, both arms and knees from all joint angles of a body.
 
 use super::{Measured, gaze, measure_arm, rotation};
-use crate::ergonomics::{ArmAngles, BodyPose, TrunkNeckAngles, trunk_neck_angles};
+use crate::ergonomics::{
+    ArmAngles, BackAngle, BodyPose, TrunkNeckAngles, back_angle, trunk_neck_angles,
+};
 use crate::files::InputError;
 use crate::human::{Body, Segment, Side};
 use crate::math::{Pose, Rotation, Vec3};
@@ -21,6 +23,14 @@ pub struct WholePosture {
     pub knees_deg: Option<[f64; 2]>,
     /// Horizontal distance of the right and the left wrist from L5/S1, m.
     pub reach_m: [f64; 2],
+    /// Right and left wrist in the world, m.
+    pub hands_m: [Vec3; 2],
+    /// Point midway between the ankles in the world, m.
+    pub ankles_m: Vec3,
+    /// Forward direction of the pelvis in the world.
+    pub facing: Vec3,
+    /// The spine's joints added up.
+    pub back: BackAngle,
 }
 
 /// Place of a side in the pairs of a [`WholePosture`].
@@ -42,6 +52,11 @@ impl WholePosture {
         self.reach_m[place(side)]
     }
 
+    /// The wrist of a side in the world, m.
+    pub fn hand_m(&self, side: Side) -> Vec3 {
+        self.hands_m[place(side)]
+    }
+
     /// Trunk, and head turned to the hand of a side.
     pub fn gaze(&self, side: Side) -> &TrunkNeckAngles {
         &self.gaze[place(side)]
@@ -56,6 +71,8 @@ pub struct WholeSurveyor {
     legs: [[Segment; 3]; 2],
     /// Right and left arm chain: columns of all joints in the order of the chain.
     chains: [Vec<usize>; 2],
+    /// L3 and T12, between L5 and T8.
+    spine: [Segment; 2],
     chain_names: [Vec<String>; 2],
 }
 
@@ -67,6 +84,7 @@ impl WholeSurveyor {
             ["UpperLeg", "LowerLeg", "Foot"]
                 .map(|part| parts.skeleton.segment(&format!("{}{part}", side.prefix())))
         };
+        let spine = ["L3", "T12"].map(|name| parts.skeleton.segment(name));
         let legs = [leg(Side::Right), leg(Side::Left)];
         let names = |side: Side| -> Result<Vec<String>, InputError> {
             Ok(body.arm(side)?.joints().iter().map(|j| j.name.clone()).collect())
@@ -76,7 +94,7 @@ impl WholeSurveyor {
             names.iter().filter_map(|n| parts.skeleton.column(n)).collect()
         };
         let chains = [columns(&chain_names[0]), columns(&chain_names[1])];
-        Ok(Self { parts, legs, chains, chain_names })
+        Ok(Self { parts, legs, spine, chains, chain_names })
     }
 
     /// Number of joint angles.
@@ -132,7 +150,19 @@ impl WholeSurveyor {
         let neck = trunk_neck_angles(&body);
         let reach_m = wrists.map(|w| (w - body.l5s1).xy().norm());
         let knees = self.legs.map(|leg| bend_deg(leg.map(|s| at(s).translation.vector)));
+        let ankles = self.legs.map(|leg| at(leg[2]).translation.vector);
+        let spine: [Rotation; 5] = [
+            rotation(pelvis),
+            rotation(&at(parts.l5)),
+            rotation(&at(self.spine[0])),
+            rotation(&at(self.spine[1])),
+            body.thorax,
+        ];
         WholePosture {
+            hands_m: wrists,
+            ankles_m: (ankles[0] + ankles[1]) * 0.5,
+            facing: pelvis.rotation * Vec3::x(),
+            back: back_angle(&std::array::from_fn(|i| spine[i].inverse() * spine[i + 1])),
             neutral,
             gaze: seen,
             neck: Some(neck),
@@ -155,6 +185,7 @@ impl WholePosture {
         let i = place(side);
         self.arms[i] = from.arms[i];
         self.reach_m[i] = from.reach_m[i];
+        self.hands_m[i] = from.hands_m[i];
         self.gaze[i] = from.gaze[i];
     }
 
