@@ -8,18 +8,32 @@
 
 mod bounds;
 mod candidate;
+mod change;
+mod hull;
+mod keepout;
 mod limits;
+mod nearest;
 mod project;
+mod remedy;
+mod scene;
 mod smooth;
 mod spline;
+mod stencil;
 mod transcription;
 mod verify;
 
 pub use candidate::{
     Candidate, CandidateSettings, Family, ViaSpace, candidates, drawn, reference_path,
 };
+pub use change::{Change, or_list};
 pub use limits::{Box3, PathLimits};
-pub use project::{Cause, Projection, ProjectionSettings, project, shortest_duration_s};
+pub use project::{
+    Cause, Projection, ProjectionSettings, project, project_within, shortest_duration_s,
+};
+pub use remedy::smallest_changes;
+pub use scene::{Condition, Order, Reach, Scene};
 pub use smooth::SmoothPath;
 pub use spline::ClampedSpline;
-pub use verify::{Check, Quantity, Verification, verify, verify_samples};
+pub use verify::{
+    Check, Quantity, Verification, verify, verify_optimality, verify_samples, verify_scene,
+};

@@ -129,7 +129,9 @@ impl Problem {
         self.offset.len()
     }
 
-    /// Appends a block of rows: for each its entries (column, value) and its offset.
+    /// Appends a block of rows: for each its entries (column, value) and its offset. Rows of a
+    /// polyhedral cone join the block before them when label and cone are the same: one cone of many
+    /// rows costs the solver less than many of one.
     pub fn push_block(
         &mut self,
         label: impl Into<Cow<'static, str>>,
@@ -141,7 +143,13 @@ impl Problem {
             self.matrix.extend(entries.iter().map(|(column, value)| (row, *column, *value)));
             self.offset.push(*offset);
         }
-        self.blocks.push(Block { label: label.into(), cone, rows: rows.len() });
+        let label = label.into();
+        match self.blocks.last_mut() {
+            Some(last) if cone != Cone::SecondOrder && last.cone == cone && last.label == label => {
+                last.rows += rows.len();
+            }
+            _ => self.blocks.push(Block { label, cone, rows: rows.len() }),
+        }
     }
 
     /// The first thing that is wrong with the sizes, indices or numbers.
