@@ -6,6 +6,7 @@
 //! [`verify`] and [`verify_samples`] measure any path against the limits by other code.
 //! Positions are those of the TCP in the world, m.
 
+mod arm;
 mod bounds;
 mod candidate;
 mod change;
@@ -22,6 +23,7 @@ mod stencil;
 mod transcription;
 mod verify;
 
+pub use arm::{Arm, Followed, project_for_arm};
 pub use candidate::{
     Candidate, CandidateSettings, Family, ViaSpace, candidates, drawn, reference_path,
 };
@@ -35,5 +37,6 @@ pub use scene::{Condition, Order, Reach, Scene};
 pub use smooth::SmoothPath;
 pub use spline::ClampedSpline;
 pub use verify::{
-    Check, Quantity, Verification, verify, verify_optimality, verify_samples, verify_scene,
+    Check, Quantity, Verification, verify, verify_motion, verify_optimality, verify_samples,
+    verify_scene,
 };

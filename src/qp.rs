@@ -18,11 +18,11 @@ use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,
     SupportedConeT, ZeroConeT,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// The cone in which the slack `s = b - A x` of one block of rows must lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Cone {
     /// `s = 0`: equalities `A x = b`.
     Zero,
@@ -33,7 +33,7 @@ pub enum Cone {
 }
 
 /// A block of consecutive rows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Block {
     /// What the rows say, for people; blocks may share a label.
     pub label: Cow<'static, str>,
@@ -47,7 +47,7 @@ pub struct Block {
 pub type Entry = (usize, usize, f64);
 
 /// A conic quadratic program.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Problem {
     /// Number of variables n.
     pub variables: usize,

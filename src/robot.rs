@@ -9,6 +9,7 @@
 //! ```
 //! Joint values are in rad (m for sliding joints), in the order of the joints from base to TCP.
 
+mod between;
 mod body;
 mod check;
 mod clearance;
@@ -18,8 +19,10 @@ mod ik;
 mod preset;
 mod track;
 
+pub use between::{Between, between};
 pub use body::{
-    Capsule, Nearest, capsules, min_clearance, min_singular_value, stick, tcp_pose, tcp_poses,
+    Capsule, Nearest, capsules, joint_rates, min_clearance, min_singular_value, stick, tcp_pose,
+    tcp_poses,
 };
 pub use check::{
     Extreme, LimitKind, PathCheck, PathError, RobotMotion, Violation, check_joint_path,
@@ -28,3 +31,4 @@ pub use clearance::Obstacle;
 pub use description::{Limits, Robot};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
 pub use preset::PRESETS;
+pub use track::trace;

@@ -260,15 +260,12 @@ impl<'a> Play<'a> {
         let Question { reference, limits, scene, .. } = self.question;
         let chord = (reference[step], reference[step + 1]);
         for (at, s) in position_hull(step).into_iter().zip([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]) {
-            let (label, center, radius) = match of {
-                Elastic::Reach(i) => {
-                    let reach = &scene.reaches[i];
-                    (format!("reach of `{}`", reach.body), reach.center, reach.radius_m)
-                }
-                _ => {
-                    let radius = limits.corridor_m.unwrap_or(f64::INFINITY);
-                    ("corridor".to_owned(), chord.0.lerp(&chord.1, s), radius)
-                }
+            let (label, center, radius) = if let Elastic::Reach(i) = of {
+                let reach = &scene.reaches[i];
+                (format!("reach of `{}`", reach.body), reach.center, reach.radius_m)
+            } else {
+                let radius = limits.corridor_m.unwrap_or(f64::INFINITY);
+                ("corridor".to_owned(), chord.0.lerp(&chord.1, s), radius)
             };
             let radius = (radius - HAIR_M).max(0.0);
             self.rows.balls.push(Ball { label, at, center, radius, slack });

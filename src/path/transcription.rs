@@ -220,7 +220,9 @@ impl Task<'_> {
         for k in 0..self.steps() {
             for axis in 0..3 {
                 let (mut entries, rest) = self.line(base, &jerk(k), &Vec3::ith(axis, 1.0));
-                entries.iter_mut().for_each(|e| e.1 /= unit);
+                for entry in &mut entries {
+                    entry.1 /= unit;
+                }
                 entries.push((self.jerk_column(k, axis), -1.0));
                 problem.push_block("dynamics", Cone::Zero, &[(&entries, -rest / unit)]);
             }
@@ -238,7 +240,9 @@ impl Task<'_> {
     ) {
         let lines: [Line; 3] = std::array::from_fn(|axis| {
             let (mut entries, rest) = self.line(base, at, &Vec3::ith(axis, 1.0));
-            entries.iter_mut().for_each(|e| e.1 /= -unit);
+            for entry in &mut entries {
+                entry.1 /= -unit;
+            }
             (entries, rest / unit)
         });
         // Start and goal alone: nothing to choose.
@@ -288,7 +292,7 @@ impl Task<'_> {
                 Order::Position => normal.dot(&self.reference[0]),
                 _ => 0.0,
             };
-            if !(size > 0.0) || entries.is_empty() {
+            if size == 0.0 || entries.is_empty() {
                 continue;
             }
             entries.extend(plane.slack.map(|i| (self.slack_column(i), -1.0)));
@@ -302,7 +306,9 @@ impl Task<'_> {
             let middle = (ball.center - self.reference[0]) / self.unit();
             let lines: [Line; 3] = std::array::from_fn(|axis| {
                 let (mut entries, rest) = self.line(base, &ball.at, &Vec3::ith(axis, 1.0));
-                entries.iter_mut().for_each(|e| e.1 = -e.1);
+                for entry in &mut entries {
+                    entry.1 = -entry.1;
+                }
                 (entries, rest - middle[axis])
             });
             if lines.iter().all(|(entries, _)| entries.is_empty()) {
@@ -330,3 +336,6 @@ pub(super) fn at_knot(order: Order, knot: usize) -> Stencil {
 pub(super) fn face_label(inner: &Box3, (axis, is_upper): (usize, bool)) -> String {
     format!("workspace box ({})", inner.face(axis, is_upper))
 }
+
+#[cfg(test)]
+mod tests;

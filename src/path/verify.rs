@@ -11,6 +11,7 @@ use super::smooth::SmoothPath;
 use crate::math::Vec3;
 use crate::math::pose::rotation_between;
 use crate::qp::Residuals;
+use crate::robot::Between;
 use crate::trajectory::TimedPath;
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
@@ -21,6 +22,8 @@ const FINER: usize = 10;
 const TOLERANCE: f64 = 1e-9;
 /// What the residuals of the conditions of optimality may be.
 const OPTIMALITY: f64 = 1e-6;
+/// How far the robot may be beside the path between knots, m.
+const TRACKING_M: f64 = 1e-3;
 /// Least time between samples that are differenced twice or more: the rounding of recorded positions
 /// to 1e-6 m would otherwise look like jerk.
 const LEAST_STEP_S: f64 = 0.02;
@@ -280,6 +283,21 @@ pub fn verify_optimality(found: &Residuals) -> Verification {
             check(Quantity::Cone, found.cone.max(found.dual_cone)),
             check(Quantity::Stationarity, found.stationarity),
             check(Quantity::Complementarity, found.complementarity),
+        ],
+    }
+}
+
+/// The robot's motion between its knots: joints against their limits, the TCP against the path.
+pub fn verify_motion(found: &Between) -> Verification {
+    let check = |quantity, limit, value, at_s| worst(quantity, limit, [(at_s, value)]);
+    let (speed, acceleration, range) = (&found.speed, &found.acceleration, &found.range);
+    let (distance, distance_s) = found.distance_m;
+    Verification {
+        checks: vec![
+            check(Quantity::JointSpeed, 1.0, speed.value, speed.time_s),
+            check(Quantity::JointAcceleration, 1.0, acceleration.value, acceleration.time_s),
+            check(Quantity::JointRange, 0.0, range.value, range.time_s),
+            check(Quantity::Tracking, TRACKING_M, distance, distance_s),
         ],
     }
 }

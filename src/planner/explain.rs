@@ -111,7 +111,7 @@ pub(super) fn verdict(
             body.reba.expected + change.reba,
         ));
     }
-    Verdict { headline, lines, best: Some(best.id.clone()), caveat }
+    Verdict { headline, lines, best: Some(best.id.clone()), changes: Vec::new(), caveat }
 }
 
 fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<String>) -> Verdict {
@@ -139,7 +139,13 @@ fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<String>) -> V
         .map(|(t, n)| format!("{n} of {}: {t}", candidates.len()))
         .collect();
     lines.extend(marked);
-    Verdict { headline: "No path keeps all limits".to_owned(), lines, best: None, caveat }
+    Verdict {
+        headline: "No path keeps all limits".to_owned(),
+        lines,
+        best: None,
+        changes: Vec::new(),
+        caveat,
+    }
 }
 
 fn is_users(scenario: &Scenario, id: &str) -> bool {

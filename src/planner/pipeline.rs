@@ -179,6 +179,9 @@ fn run(
     }
     let mut result = assemble(scenario, request, &lens, results, best_walks.as_ref());
     result.rollouts = rollouts;
+    if result.verdict.best.is_none() {
+        workshop.explain(&prepared, &mut result.verdict);
+    }
     Ok(result)
 }
 
@@ -274,6 +277,7 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         family: prepared.family,
         status: prepared.status.clone(),
         evaluated,
+        changes: prepared.changes.clone(),
         vias_m: prepared.vias_m.clone(),
         objective: None,
         bodies: Vec::new(),

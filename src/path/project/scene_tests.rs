@@ -152,18 +152,18 @@ fn corridor_and_reach_bend_the_path_or_are_named() {
     let short = PathLimits { corridor_m: Some(to_m * 0.98), ..limits };
     assert_eq!(refused(within(&reference, &short, &scene)).0, Cause::Corridor);
 
-    let reach = |radius_m: f64| {
-        [Reach { body: "she".to_owned(), center: Vec3::new(0.5, 0.0, 0.9), radius_m }]
+    let reach = |height: f64, radius_m: f64| {
+        [Reach { body: "she".to_owned(), center: Vec3::new(0.5, 0.0, height), radius_m }]
     };
     let limits = PathLimits::default();
     let lifted = named(1, 0.4, 5.0);
-    let reaches = reach(0.226);
+    let reaches = reach(0.6, 0.46);
     let scene = Scene { reaches: &reaches, ..Scene::default() };
     let free = within(&lifted, &limits, &Scene::default());
     let Projection::Feasible { path, .. } = &free else { panic!() };
     assert!(!verify_scene(path, &limits, &scene, &lifted).is_ok());
     assert_kept(&within(&lifted, &limits, &scene), &lifted, &limits, &scene);
-    let reaches = reach(0.2);
+    let reaches = reach(0.9, 0.2);
     let scene = Scene { reaches: &reaches, ..Scene::default() };
     let (cause, reason, _) = refused(within(&lifted, &limits, &scene));
     assert_eq!(cause, Cause::Reach);
