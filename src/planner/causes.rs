@@ -1,7 +1,7 @@
 //! When every path is refused: the cause once, and the smallest change of each kind that would help.
 
 use super::prepare::{Prepared, Workshop};
-use super::result::{Status, Verdict};
+use super::result::{CandidateResult, Status, Verdict};
 use crate::human::{reach_ball, reach_gap};
 use crate::path::{Change, Reach, smallest_changes};
 use crate::scenario::Scenario;
@@ -23,6 +23,55 @@ pub(super) fn reaches(scenario: &Scenario) -> Vec<Reach> {
         })
     };
     w.bodies.iter().filter_map(of).collect()
+}
+
+/// The verdict of a run without a feasible path: each kind of cause once, with its first case.
+pub(super) fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<String>) -> Verdict {
+    // Stage and kind of sentence, the first sentence of that kind, how many, whether all are equal.
+    let mut reasons: Vec<(String, String, usize, bool)> = Vec::new();
+    let mut marked = Vec::new();
+    for c in candidates {
+        match &c.status {
+            Status::Infeasible { stage, reason } => {
+                let kind = format!("{stage}: {}", without_numbers(reason));
+                let text = format!("{stage}: {reason}");
+                match reasons.iter_mut().find(|r| r.0 == kind) {
+                    Some((_, first, n, is_same)) => {
+                        *n += 1;
+                        *is_same &= *first == text;
+                    }
+                    None => reasons.push((kind, text, 1, true)),
+                }
+            }
+            Status::Marked { violations } => {
+                marked.push(format!("`{}` is over a limit: {}", c.id, violations.join("; ")));
+            }
+            Status::Feasible => {}
+        }
+    }
+    reasons.sort_by(|a, b| b.2.cmp(&a.2).then(a.0.cmp(&b.0)));
+    let mut lines: Vec<String> = reasons
+        .into_iter()
+        .take(5)
+        .map(|(_, text, n, is_same)| {
+            let like = if is_same { "" } else { "for example " };
+            format!("{n} of {}: {like}{text}", candidates.len())
+        })
+        .collect();
+    lines.extend(marked);
+    let headline = "No path keeps all limits".to_owned();
+    Verdict { headline, lines, best: None, changes: Vec::new(), caveat }
+}
+
+/// The sentence up to what would help, without its numbers: equal for equal causes.
+fn without_numbers(reason: &str) -> String {
+    let cause = reason.split("; what would help").next().unwrap_or(reason);
+    let mut is_quoted = false;
+    let keep = |c: &char| {
+        is_quoted ^= *c == '`';
+        is_quoted || !(c.is_ascii_digit() || ".-".contains(*c))
+    };
+    cause.chars().filter(keep).collect()
 }
 
 impl Workshop<'_> {
