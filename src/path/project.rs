@@ -67,7 +67,7 @@ pub enum Projection {
         moved_m: f64,
         /// Iterations of the solver, over all solves.
         iterations: u32,
-        /// How well the last program met its conditions of optimality; stationarity and
+        /// How well the last program met its conditions of optimality; dual cone, stationarity and
         /// complementarity as shares of the largest multiplier.
         optimality: Residuals,
     },
@@ -123,6 +123,7 @@ pub fn project_within(
             let moved_m = moved.fold(0.0, f64::max);
             let found = answer.optimality;
             let optimality = Residuals {
+                dual_cone: found.dual_cone / answer.multipliers,
                 stationarity: found.stationarity / answer.multipliers,
                 complementarity: found.complementarity / answer.multipliers,
                 ..found

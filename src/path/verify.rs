@@ -97,6 +97,11 @@ impl Quantity {
         }
     }
 
+    /// Whether this tells how near a path is to the best one, not whether it keeps its limits.
+    pub fn is_optimality(self) -> bool {
+        matches!(self, Self::Equality | Self::Cone | Self::Stationarity | Self::Complementarity)
+    }
+
     /// Whether the limit is zero and the value a signed distance from it.
     fn is_distance(self) -> bool {
         matches!(
