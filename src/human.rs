@@ -14,6 +14,7 @@ mod body;
 mod generate;
 mod limits;
 mod proportions;
+mod reach;
 mod side;
 mod skeleton;
 
@@ -21,5 +22,6 @@ pub use body::{Body, PRESETS, Stance};
 pub use generate::{BodyFiles, generate};
 pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use proportions::{BodySize, Sex};
+pub use reach::{reach_ball, reach_gap};
 pub use side::Side;
 pub use skeleton::{PosedSkeleton, Segment, Skeleton, bones};

@@ -6,20 +6,37 @@
 //! [`verify`] and [`verify_samples`] measure any path against the limits by other code.
 //! Positions are those of the TCP in the world, m.
 
+mod arm;
 mod bounds;
 mod candidate;
+mod change;
+mod hull;
+mod keepout;
 mod limits;
+mod nearest;
 mod project;
+mod remedy;
+mod scene;
 mod smooth;
 mod spline;
+mod stencil;
 mod transcription;
 mod verify;
 
+pub use arm::{Arm, Followed, project_for_arm};
 pub use candidate::{
     Candidate, CandidateSettings, Family, ViaSpace, candidates, drawn, reference_path,
 };
+pub use change::{Change, or_list};
 pub use limits::{Box3, PathLimits};
-pub use project::{Cause, Projection, ProjectionSettings, project, shortest_duration_s};
+pub use project::{
+    Cause, Projection, ProjectionSettings, project, project_within, shortest_duration_s,
+};
+pub use remedy::smallest_changes;
+pub use scene::{Condition, Order, Reach, Scene};
 pub use smooth::SmoothPath;
 pub use spline::ClampedSpline;
-pub use verify::{Check, Quantity, Verification, verify, verify_samples};
+pub use verify::{
+    Check, Quantity, Verification, verify, verify_motion, verify_optimality, verify_samples,
+    verify_scene,
+};

@@ -10,6 +10,7 @@
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
+mod causes;
 mod evaluate;
 mod explain;
 mod finalists;

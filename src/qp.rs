@@ -18,11 +18,11 @@ use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,
     SupportedConeT, ZeroConeT,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// The cone in which the slack `s = b - A x` of one block of rows must lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Cone {
     /// `s = 0`: equalities `A x = b`.
     Zero,
@@ -33,7 +33,7 @@ pub enum Cone {
 }
 
 /// A block of consecutive rows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Block {
     /// What the rows say, for people; blocks may share a label.
     pub label: Cow<'static, str>,
@@ -47,7 +47,7 @@ pub struct Block {
 pub type Entry = (usize, usize, f64);
 
 /// A conic quadratic program.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Problem {
     /// Number of variables n.
     pub variables: usize,
@@ -129,7 +129,9 @@ impl Problem {
         self.offset.len()
     }
 
-    /// Appends a block of rows: for each its entries (column, value) and its offset.
+    /// Appends a block of rows: for each its entries (column, value) and its offset. Rows of a
+    /// polyhedral cone join the block before them when label and cone are the same: one cone of many
+    /// rows costs the solver less than many of one.
     pub fn push_block(
         &mut self,
         label: impl Into<Cow<'static, str>>,
@@ -141,7 +143,13 @@ impl Problem {
             self.matrix.extend(entries.iter().map(|(column, value)| (row, *column, *value)));
             self.offset.push(*offset);
         }
-        self.blocks.push(Block { label: label.into(), cone, rows: rows.len() });
+        let label = label.into();
+        match self.blocks.last_mut() {
+            Some(last) if cone != Cone::SecondOrder && last.cone == cone && last.label == label => {
+                last.rows += rows.len();
+            }
+            _ => self.blocks.push(Block { label, cone, rows: rows.len() }),
+        }
     }
 
     /// The first thing that is wrong with the sizes, indices or numbers.

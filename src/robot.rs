@@ -9,6 +9,7 @@
 //! ```
 //! Joint values are in rad (m for sliding joints), in the order of the joints from base to TCP.
 
+mod between;
 mod body;
 mod check;
 mod clearance;
@@ -19,8 +20,10 @@ mod joint_trajectory;
 mod preset;
 mod track;
 
+pub use between::{Between, between};
 pub use body::{
-    Capsule, Nearest, capsules, min_clearance, min_singular_value, stick, tcp_pose, tcp_poses,
+    Capsule, Nearest, capsules, joint_rates, min_clearance, min_singular_value, stick, tcp_pose,
+    tcp_poses,
 };
 pub use check::{
     Extreme, LimitKind, PathCheck, PathError, RobotMotion, Violation, check_joint_path,
@@ -32,3 +35,4 @@ pub use joint_trajectory::{
     Duration, Header, JointMargin, JointTrajectory, Point, TrajectoryFault,
 };
 pub use preset::PRESETS;
+pub use track::trace;

@@ -20,7 +20,9 @@ fn workplace() -> (TempDir, PathBuf) {
     let text = std::fs::read_to_string(shipped).unwrap();
     let text = text.replace("\"demo_operator\"", "\"operator.json\"");
     let planner = "schema = \"ergopath/planner/1\"\nname = \"tiny\"\nvias = 1\nnamed_offset_m = 0.1\n\
-                   sampled_offset_m = 0.1\nsamples = 3\nsteps = 30\nrollouts_search = 3\nshortlist = 2\n\
+                   sampled_offset_m = 0.1\npopulation = 4\ngenerations = 2\nruns = 1\n\
+                   baseline_generations = 1\nsteps = 30\nrollouts_first = 2\nrollouts_most = 3\n\
+                   shortlist = 2\nreported = 2\n\
                    rollouts_final = 6\n[objective]\nexpected_rula = 1.0\nexpected_reba = 0.0\n\
                    cvar90_rula = 0.0\nexposure_rula_5 = 0.0\n";
     std::fs::write(room.path().join("tiny.toml"), planner).unwrap();
@@ -220,7 +222,15 @@ fn what_cannot_be_done_is_explained() {
     let goal = "[0.45, 0.25, 1.25]";
     refused(goal, "[0.45, 0.90, 1.25]", 3, &["goal outside the workspace box", "0.900 m"]);
     refused("duration_s = 4.0", "duration_s = 1.0", 3, &["too short", "needs at least"]);
-    refused("at_m = [0.0, 0.0]", "at_m = [-1.5, 0.0]", 3, &["cannot follow", "reach is exceeded"]);
+    let nearer = &["start out of reach of body `female_p50`", "What would help", "nearer"];
+    refused("at_m = [0.0, 0.0]", "at_m = [-1.5, 0.0]", 3, nearer);
+    // Within the ball that no posture leaves, but out of reach of the hand as it is led.
+    refused("at_m = [0.0, 0.0]", "at_m = [-0.6, 0.0]", 3, &["cannot follow", "reach is exceeded"]);
+    let inside = &["start inside obstacle `bench`, 60 mm deep", "What would help", "60 mm smaller"];
+    refused("size_m = [0.8, 1.6, 0.72]", "size_m = [0.8, 1.6, 1.30]", 3, inside);
+    let slow = "preset = \"panda\"\nlimit = [{ joint = \"panda_joint1\", velocity_rad_s = 0.05 }]";
+    let longer = &["joint `panda_joint1`", "instead of 4.00 s", "instead of 0.05 rad/s"];
+    refused("preset = \"panda\"", slow, 3, longer);
     refused("max_m = [0.80, 0.60, 1.60]", "max_m = [2.80, 0.60, 1.60]", 0, &[]);
 }
 

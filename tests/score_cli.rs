@@ -198,7 +198,9 @@ fn rollouts_of_a_plan_give_the_figures_of_the_plan() {
     let scenario =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench_pick_and_place.toml");
     let planner = "schema = \"ergopath/planner/1\"\nname = \"tiny\"\nvias = 1\nnamed_offset_m = 0.1\n\
-                   sampled_offset_m = 0.1\nsamples = 3\nsteps = 30\nrollouts_search = 3\nshortlist = 2\n\
+                   sampled_offset_m = 0.1\npopulation = 4\ngenerations = 2\nruns = 1\n\
+                   baseline_generations = 1\nsteps = 30\nrollouts_first = 2\nrollouts_most = 3\n\
+                   shortlist = 2\nreported = 2\n\
                    rollouts_final = 6\n[objective]\nexpected_rula = 1.0\nexpected_reba = 0.0\n\
                    cvar90_rula = 0.0\nexposure_rula_5 = 0.0\n";
     std::fs::write(room.path().join("tiny.toml"), planner).unwrap();

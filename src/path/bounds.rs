@@ -5,10 +5,13 @@
 //! a speed `u` takes `a/j + u/a` (or `2 sqrt(u/j)` if `a` is not reached) and covers half of `u`
 //! times that; the rest of the way is covered at `v`.
 
+use super::change::Change;
+use super::hull::TOLERANCE;
 use super::limits::{Box3, PathLimits};
-use super::project::{Cause, Projection, TOLERANCE, infeasible};
-use crate::math::Pose;
+use super::project::{Cause, Projection, infeasible};
+use super::scene::Scene;
 use crate::math::pose::rotation_between;
+use crate::math::{Pose, Vec3};
 use crate::trajectory::{MINIMUM_JERK_PEAK_ACCELERATION, MINIMUM_JERK_PEAK_SPEED};
 
 /// The questions that need no solver.
@@ -17,9 +20,15 @@ pub(super) fn refuse_at_once(
     goal: &Pose,
     duration: f64,
     limits: &PathLimits,
+    scene: &Scene,
 ) -> Option<Projection> {
     if let Some(reason) = outside(start, goal, limits) {
-        return Some(infeasible(Cause::Workspace, reason));
+        return Some(infeasible(Cause::Workspace, &reason, into_the_box(start, goal, limits)));
+    }
+    for (end, pose) in [("start", start), ("goal", goal)] {
+        if let Some(refusal) = misplaced(end, &pose.translation.vector, scene) {
+            return Some(refusal);
+        }
     }
     let turn = shortest_turn_s(start, goal, limits);
     if turn > duration * (1.0 + TOLERANCE) {
@@ -31,13 +40,72 @@ pub(super) fn refuse_at_once(
             limits.angular_acceleration_rad_s2,
             rounded_up(turn)
         );
-        return Some(infeasible(Cause::Turn, reason));
+        let change = Change::Duration { from_s: duration, to_s: turn };
+        return Some(infeasible(Cause::Turn, &reason, vec![change]));
     }
     let straight = shortest_straight_s(start, goal, limits);
     (straight > duration).then(|| too_short(start, goal, duration, limits, straight))
 }
 
-/// The sentence for a duration below the `needed` one, s.
+/// A start or goal in an obstacle or out of reach.
+fn misplaced(end: &'static str, at: &Vec3, scene: &Scene) -> Option<Projection> {
+    for (name, obstacle) in scene.obstacles {
+        let (distance, normal) = obstacle.surface(at);
+        if distance < 0.0 {
+            let reason = format!("{end} inside obstacle `{name}`, {:.0} mm deep", -distance * 1e3);
+            let to_m = at - normal * distance;
+            let moved = Change::MoveEnd { end, by_m: -distance, to_m };
+            let smaller = Change::ShrinkObstacle { name: name.clone(), by_m: -distance };
+            return Some(infeasible(Cause::Obstacle, &reason, vec![moved, smaller]));
+        }
+    }
+    for reach in scene.reaches {
+        let way = at - reach.center;
+        let by_m = way.norm() - reach.radius_m;
+        if by_m > 0.0 {
+            let reason = format!(
+                "{end} out of reach of body `{}`: {:.0} mm farther than any posture brings the hand",
+                reach.body,
+                by_m * 1e3
+            );
+            let moved = Change::MoveEnd { end, by_m, to_m: at - way.normalize() * by_m };
+            let nearer = Change::ExtendReach { body: reach.body.clone(), by_m };
+            return Some(infeasible(Cause::Reach, &reason, vec![moved, nearer]));
+        }
+    }
+    None
+}
+
+/// The end that is outside moved to the nearest point of the box, or the faces moved to it.
+fn into_the_box(start: &Pose, goal: &Pose, limits: &PathLimits) -> Vec<Change> {
+    let Some(inner) = &limits.workspace else { return Vec::new() };
+    let mut changes = Vec::new();
+    let mut crossed = 0;
+    for (end, pose) in [("start", start), ("goal", goal)] {
+        let at = pose.translation.vector;
+        let to_m = Vec3::from_fn(|i, _| at[i].max(inner.min[i]).min(inner.max[i]));
+        if to_m != at {
+            crossed += 1;
+            changes.push(Change::MoveEnd { end, by_m: (to_m - at).norm(), to_m });
+        }
+    }
+    // Two ends outside: neither move is enough alone.
+    if crossed > 1 {
+        changes.clear();
+    }
+    let out = |face: &(usize, bool)| {
+        let of = |pose: &Pose| inner.excess(&pose.translation.vector, face.0, face.1);
+        of(start).max(of(goal))
+    };
+    let faces: Vec<_> = Box3::faces().filter(|f| out(f) > 0.0).collect();
+    if let [face] = faces[..] {
+        let by_m = out(&face);
+        changes.push(Change::MoveFace { face: inner.face(face.0, face.1), by_m });
+    }
+    changes
+}
+
+/// The refusal for a duration below the `needed` one, s.
 pub(super) fn too_short(
     start: &Pose,
     goal: &Pose,
@@ -54,7 +122,8 @@ pub(super) fn too_short(
         limits.jerk_m_s3,
         rounded_up(needed)
     );
-    infeasible(Cause::Duration, reason)
+    let change = Change::Duration { from_s: duration, to_s: needed };
+    infeasible(Cause::Duration, &reason, vec![change])
 }
 
 /// Hundredths of a second, upward.

@@ -50,6 +50,11 @@ pub struct PathLimits {
     pub angular_acceleration_rad_s2: f64,
     /// Where the TCP must stay, if anywhere.
     pub workspace: Option<Box3>,
+    /// Distance that the TCP keeps from obstacles, m: the room of the tool, the handle and the hand
+    /// on it. Where start or goal are nearer to an obstacle than that, their distance counts.
+    pub clearance_m: f64,
+    /// How far the TCP may be from the reference at equal times, m, if that is limited.
+    pub corridor_m: Option<f64>,
 }
 
 impl Default for PathLimits {
@@ -61,6 +66,8 @@ impl Default for PathLimits {
             angular_speed_rad_s: 0.8,
             angular_acceleration_rad_s2: 3.0,
             workspace: None,
+            clearance_m: 0.03,
+            corridor_m: None,
         }
     }
 }
@@ -78,6 +85,12 @@ impl PathLimits {
         if let Some((name, value)) = named.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
             return Some(format!("the limit {name} must be a positive number and is {value}"));
         }
+        if !(self.clearance_m >= 0.0 && self.clearance_m.is_finite()) {
+            return Some("the limit clearance_m must be a number of 0 or more".to_owned());
+        }
+        if self.corridor_m.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
+            return Some("the limit corridor_m must be a positive number".to_owned());
+        }
         let inner = self.workspace?;
         // An open side (infinite) is fine, NaN is not.
         let is_box = (0..3).all(|i| inner.min[i] <= inner.max[i]);
@@ -94,6 +107,10 @@ mod tests {
         assert_eq!(PathLimits::default().fault(), None);
         let broken = PathLimits { jerk_m_s3: f64::NAN, ..PathLimits::default() };
         assert!(broken.fault().unwrap().contains("jerk_m_s3"));
+        let narrow = PathLimits { corridor_m: Some(0.0), ..PathLimits::default() };
+        assert!(narrow.fault().unwrap().contains("corridor_m"));
+        let near = PathLimits { clearance_m: -1.0, ..PathLimits::default() };
+        assert!(near.fault().unwrap().contains("clearance_m"));
         let mut inner = Box3 { min: Vec3::zeros(), max: Vec3::new(1.0, 1.0, -1.0) };
         let with = |b: Box3| PathLimits { workspace: Some(b), ..PathLimits::default() };
         assert!(with(inner).fault().unwrap().contains("workspace"));

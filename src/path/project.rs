@@ -1,25 +1,20 @@
-//! The nearest path that keeps all limits, or the reason why there is none.
+//! The nearest path that keeps all limits, or the reason why there is none and what would help.
 //!
-//! The cheap and exact questions come first: do start and goal lie in the box, is there time for the
-//! turn, is there time for the straight move? Then the quadratic program of [`super::transcription`]
-//! is solved and its jerks are integrated exactly. The end of that integral misses the goal by the
-//! solver's rounding; the least change of the jerks that closes the gap is added (it is of the same
-//! size, hence the margin below the limits), and the result is measured before it is handed out.
+//! The cheap and exact questions come first: do start and goal lie in the box, outside the obstacles
+//! and within reach, is there time for the turn, is there time for the straight move? Then the
+//! programs of [`super::nearest`] are solved.
 
 use super::bounds::{outside, refuse_at_once, shortest_straight_s, shortest_turn_s, too_short};
-use super::limits::{Box3, PathLimits};
+use super::change::{Change, or_list};
+use super::limits::PathLimits;
+use super::nearest::{Elastic, Question, Refusal, Shortfall, solve_within};
+use super::scene::Scene;
 use super::smooth::SmoothPath;
-use super::transcription::{ACCELERATION, JERK, SPEED, Task};
+use super::transcription::{ACCELERATION, JERK, ROBOT, SPEED};
 use crate::math::{Pose, Vec3};
-use crate::qp::{Culprit, Outcome, solve};
+use crate::qp::{Culprit, Residuals};
 use crate::trajectory::TimedPath;
-use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
-
-/// Shares below the limits that are tried; the second only if rounding ate the first.
-const MARGINS: [f64; 2] = [1e-6, 1e-4];
-/// Largest excess over a limit that counts as rounding, relative (m for the box).
-pub(super) const TOLERANCE: f64 = 1e-9;
 
 /// How a path is projected.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -49,6 +44,14 @@ pub enum Cause {
     Duration,
     /// There is too little time for the turn.
     Turn,
+    /// Start, goal or the way between them come too near to an obstacle.
+    Obstacle,
+    /// The corridor about the reference is too narrow.
+    Corridor,
+    /// A hand cannot follow.
+    Reach,
+    /// The robot's joints cannot follow.
+    Robot,
     /// The solver gave no answer.
     Solver,
 }
@@ -64,18 +67,24 @@ pub enum Projection {
         moved_m: f64,
         /// Iterations of the solver, over all solves.
         iterations: u32,
+        /// How well the last program met its conditions of optimality; dual cone, stationarity and
+        /// complementarity as shares of the largest multiplier.
+        optimality: Residuals,
     },
     /// No such path.
     Infeasible {
         /// The kind of reason, for counting.
         cause: Cause,
-        /// The reason in a sentence.
+        /// The reason in a sentence, with the changes.
         reason: String,
+        /// What would help, each alone, as far as it is known without further search (see
+        /// [`super::smallest_changes`]).
+        changes: Vec<Change>,
     },
 }
 
-pub(super) fn infeasible(cause: Cause, reason: impl Into<String>) -> Projection {
-    Projection::Infeasible { cause, reason: reason.into() }
+pub(super) fn infeasible(cause: Cause, reason: &str, changes: Vec<Change>) -> Projection {
+    Projection::Infeasible { cause, reason: format!("{reason}{}", or_list(&changes)), changes }
 }
 
 /// Projects `reference` onto the limits. Position: nearest in the mean square, at rest at both ends.
@@ -86,32 +95,59 @@ pub fn project(
     limits: &PathLimits,
     settings: &ProjectionSettings,
 ) -> Projection {
+    project_within(reference, limits, &Scene::default(), settings)
+}
+
+/// Like [`project`], among obstacles, within reach, and under what the robot asks for.
+pub fn project_within(
+    reference: &TimedPath,
+    limits: &PathLimits,
+    scene: &Scene,
+    settings: &ProjectionSettings,
+) -> Projection {
     if let Some(reason) = input_fault(reference, limits, settings) {
-        return infeasible(Cause::Input, reason);
+        return infeasible(Cause::Input, &reason, Vec::new());
     }
+    let (positions, start, goal) = sampled(reference, settings.steps);
     let duration = reference.duration_s();
-    let step = duration / settings.steps as f64;
-    let at = |k: usize| reference.pose_at(reference.start_s() + step * k as f64);
-    let (start, goal) = (at(0), at(settings.steps));
-    if let Some(refusal) = refuse_at_once(&start, &goal, duration, limits) {
+    if let Some(refusal) = refuse_at_once(&start, &goal, duration, limits, scene) {
         return refusal;
     }
-    let positions: Vec<Vec3> = (0..=settings.steps).map(|k| at(k).translation.vector).collect();
-    match solve_within(&positions, step, limits, settings) {
-        Ok((jerk, iterations)) => {
-            let path = SmoothPath::integrate(&start, &goal, step, jerk);
+    let step_s = duration / settings.steps as f64;
+    let question =
+        Question { reference: &positions, step_s, limits, scene, settings, relaxed: None };
+    match solve_within(&question) {
+        Ok(answer) => {
+            let path = SmoothPath::integrate(&start, &goal, step_s, answer.jerk);
             let moved = path.position.iter().zip(&positions).map(|(p, r)| (p - r).norm());
             let moved_m = moved.fold(0.0, f64::max);
-            Projection::Feasible { path, moved_m, iterations }
+            let found = answer.optimality;
+            let optimality = Residuals {
+                dual_cone: found.dual_cone / answer.multipliers,
+                stationarity: found.stationarity / answer.multipliers,
+                complementarity: found.complementarity / answer.multipliers,
+                ..found
+            };
+            Projection::Feasible { path, moved_m, iterations: answer.iterations, optimality }
         }
         Err(Refusal::Contradiction(culprits)) => {
             explain(&culprits, &start, &goal, duration, limits, settings)
         }
+        Err(Refusal::Elastic(shortfalls)) => give_way(&question, &shortfalls),
         Err(Refusal::NoAnswer(status)) => infeasible(
             Cause::Solver,
-            format!("the solver stopped without an answer ({status}); the path is left out"),
+            &format!("the solver stopped without an answer ({status}); the path is left out"),
+            Vec::new(),
         ),
     }
+}
+
+/// Positions at the knots, first and last pose.
+pub(super) fn sampled(reference: &TimedPath, steps: usize) -> (Vec<Vec3>, Pose, Pose) {
+    let step = reference.duration_s() / steps as f64;
+    let at = |k: usize| reference.pose_at(reference.start_s() + step * k as f64);
+    let positions = (0..=steps).map(|k| at(k).translation.vector).collect();
+    (positions, at(0), at(steps))
 }
 
 /// The shortest duration (s) of a rest-to-rest move from start to goal that the projection can
@@ -132,8 +168,19 @@ pub fn shortest_duration_s(
         start.translation.vector.lerp(&goal.translation.vector, s)
     };
     let positions: Vec<Vec3> = (0..=settings.steps).map(line).collect();
+    let scene = Scene::default();
     let is_enough = |duration: f64| {
-        solve_within(&positions, duration / settings.steps as f64, limits, settings).is_ok()
+        let step_s = duration / settings.steps as f64;
+        let reference = &positions;
+        solve_within(&Question {
+            reference,
+            step_s,
+            limits,
+            scene: &scene,
+            settings,
+            relaxed: None,
+        })
+        .is_ok()
     };
     // Outward in growing strides from the exact bound, then inward by halving.
     let mut low = shortest_straight_s(start, goal, limits).max(turn).max(1e-3);
@@ -153,7 +200,7 @@ pub fn shortest_duration_s(
     Some(high)
 }
 
-fn input_fault(
+pub(super) fn input_fault(
     reference: &TimedPath,
     limits: &PathLimits,
     settings: &ProjectionSettings,
@@ -168,142 +215,6 @@ fn input_fault(
         return Some("the weight of the jerk must be a positive number".to_owned());
     }
     limits.fault()
-}
-
-/// Why the program gave no path.
-enum Refusal {
-    Contradiction(Vec<Culprit>),
-    NoAnswer(String),
-}
-
-/// Solves for the jerks. Only those faces of the box enter that the reference crosses, or else a
-/// solution has crossed: the others hold anyway, and each costs as many rows as the speed.
-fn solve_within(
-    reference: &[Vec3],
-    step_s: f64,
-    limits: &PathLimits,
-    settings: &ProjectionSettings,
-) -> Result<(Vec<Vec3>, u32), Refusal> {
-    let is_outside = |&(axis, is_upper): &(usize, bool)| {
-        let inner = limits.workspace.as_ref();
-        inner.is_some_and(|b| reference.iter().any(|p| b.excess(p, axis, is_upper) > 0.0))
-    };
-    let mut faces: Vec<(usize, bool)> = Box3::faces().filter(is_outside).collect();
-    let mut spent = 0;
-    for margin in MARGINS {
-        // Each round but the last adds a face, and there are six.
-        for _ in 0..=6 {
-            let task = Task {
-                reference,
-                step_s,
-                limits,
-                jerk_weight: settings.jerk_weight,
-                margin,
-                faces: &faces,
-            };
-            let x = match solve(&task.problem()) {
-                Outcome::Solved { x, iterations, .. } => {
-                    spent += iterations;
-                    x
-                }
-                Outcome::PrimalInfeasible { culprits } => {
-                    return Err(Refusal::Contradiction(culprits));
-                }
-                Outcome::DualInfeasible => return Err(Refusal::NoAnswer("unbounded".to_owned())),
-                Outcome::NotConverged { status } => {
-                    return Err(Refusal::NoAnswer(format!("{status:?}")));
-                }
-            };
-            let (first, last) = (reference[0], reference[reference.len() - 1]);
-            let jerk = closing(&first, &last, step_s, task.jerks(&x));
-            let path = integrated(&first, step_s, jerk);
-            let crossed = crossed_faces(&path, limits);
-            let before = faces.len();
-            faces
-                .extend(crossed.iter().filter(|f| !faces.contains(f)).copied().collect::<Vec<_>>());
-            if crossed.is_empty() && is_within(&path, limits) {
-                return Ok((path.jerk, spent));
-            }
-            if faces.len() == before {
-                break;
-            }
-        }
-    }
-    Err(Refusal::NoAnswer("the solution is not accurate enough".to_owned()))
-}
-
-/// Positions and derivatives of a jerk profile; the orientation plays no part here.
-fn integrated(first: &Vec3, step_s: f64, jerk: Vec<Vec3>) -> SmoothPath {
-    let still = Pose::translation(first.x, first.y, first.z);
-    SmoothPath::integrate(&still, &still, step_s, jerk)
-}
-
-/// The jerks nearest to `jerk` whose path ends at rest at `last`.
-///
-/// The end state is linear in the jerks: jerk k moves it by `c_k` per axis, so the least change is
-/// `c_k . G^-1 (wanted - reached)` with `G = sum c_k c_k^T`. In units of the whole duration, for the
-/// conditioning of G. The second round removes the rounding of the first.
-fn closing(first: &Vec3, last: &Vec3, step_s: f64, mut jerk: Vec<Vec3>) -> Vec<Vec3> {
-    let steps = jerk.len();
-    let h = 1.0 / steps as f64;
-    let effect = |k: usize| {
-        // Time left after step k, in units of the duration.
-        let e = (steps - k - 1) as f64 * h;
-        Vec3::new(h * (h * h / 6.0 + h * e / 2.0 + e * e / 2.0), h * (h / 2.0 + e), h)
-    };
-    let gram: Matrix3<f64> = (0..steps).map(|k| effect(k) * effect(k).transpose()).sum();
-    let Some(inverse) = gram.try_inverse() else { return jerk };
-    let duration = step_s * steps as f64;
-    for _ in 0..2 {
-        let path = integrated(first, step_s, jerk);
-        let (p, v, a) = (path.position[steps], path.velocity[steps], path.acceleration[steps]);
-        jerk = path.jerk;
-        for axis in 0..3 {
-            let gap = Vec3::new(
-                (last[axis] - p[axis]) / duration.powi(3),
-                -v[axis] / duration.powi(2),
-                -a[axis] / duration,
-            );
-            let weights = inverse * gap;
-            for (k, j) in jerk.iter_mut().enumerate() {
-                j[axis] += effect(k).dot(&weights);
-            }
-        }
-    }
-    jerk
-}
-
-/// Bezier points of the position in step `k`.
-fn position_hull(path: &SmoothPath, k: usize) -> [Vec3; 4] {
-    let h = path.step_s;
-    let (p, v, a) = (path.position[k], path.velocity[k], path.acceleration[k]);
-    [p, p + v * (h / 3.0), p + v * (h * 2.0 / 3.0) + a * (h * h / 6.0), path.position[k + 1]]
-}
-
-/// Faces of the box that the hull of some step crosses.
-fn crossed_faces(path: &SmoothPath, limits: &PathLimits) -> Vec<(usize, bool)> {
-    let Some(inner) = &limits.workspace else { return Vec::new() };
-    let is_crossed = |&(axis, is_upper): &(usize, bool)| {
-        (0..path.steps()).any(|k| {
-            let hull = position_hull(path, k);
-            hull.iter().any(|p| inner.excess(p, axis, is_upper) > TOLERANCE / 2.0)
-        })
-    };
-    Box3::faces().filter(is_crossed).collect()
-}
-
-/// Whether the hulls of speed, acceleration and jerk keep their limits.
-fn is_within(path: &SmoothPath, limits: &PathLimits) -> bool {
-    let room = 1.0 + TOLERANCE / 2.0;
-    let (v, a) = (limits.speed_m_s * room, limits.acceleration_m_s2 * room);
-    let j = limits.jerk_m_s3 * room;
-    let half = path.step_s / 2.0;
-    (0..path.steps()).all(|k| {
-        path.velocity[k].norm() <= v
-            && (path.velocity[k] + path.acceleration[k] * half).norm() <= v
-            && path.acceleration[k].norm() <= a
-            && path.jerk[k].amax() <= j
-    })
 }
 
 /// The sentence for a contradiction. The box is convex and holds start and goal, so that the straight
@@ -322,6 +233,10 @@ fn explain(
     {
         return too_short(start, goal, duration, limits, needed);
     }
+    if culprits.iter().any(|c| c.label == ROBOT) {
+        let reason = "the robot's joints cannot follow any path near this one in time";
+        return infeasible(Cause::Robot, reason, Vec::new());
+    }
     let is_limit = |c: &&Culprit| {
         [SPEED, ACCELERATION, JERK].contains(&c.label.as_str()) || c.label.starts_with("workspace")
     };
@@ -331,8 +246,74 @@ fn explain(
     } else {
         Cause::Duration
     };
-    infeasible(cause, format!("these limits contradict each other: {}", labels.join(", ")))
+    let reason = format!("these limits contradict each other: {}", labels.join(", "));
+    infeasible(cause, &reason, Vec::new())
 }
 
+/// The refusal when elastic things would have to give way: the largest is named, with the least by
+/// which it alone would have to change.
+fn give_way(question: &Question, shortfalls: &[Shortfall]) -> Projection {
+    let by_size = |a: &&Shortfall, b: &&Shortfall| a.by_m.total_cmp(&b.by_m);
+    let Some(worst) = shortfalls.iter().max_by(by_size) else {
+        return infeasible(Cause::Solver, "the path did not settle", Vec::new());
+    };
+    let mut blamed: Vec<Elastic> = shortfalls.iter().map(|s| s.of).collect();
+    blamed.sort_unstable();
+    blamed.dedup();
+    let changes: Vec<Change> = blamed.iter().filter_map(|of| alone(question, *of)).collect();
+    let at_s = (worst.step as f64 + 0.5) * question.step_s;
+    let (scene, limits) = (question.scene, question.limits);
+    let mm = worst.by_m * 1e3;
+    let (cause, reason) = match worst.of {
+        Elastic::Obstacle(i) => {
+            let name = &scene.obstacles[i].0;
+            let reason = format!(
+                "obstacle `{name}` leaves no way on this side: at {at_s:.2} s the TCP comes {mm:.0} mm \
+                 nearer than its clearance of {:.0} mm",
+                limits.clearance_m * 1e3
+            );
+            (Cause::Obstacle, reason)
+        }
+        Elastic::Corridor => (
+            Cause::Corridor,
+            format!("the corridor is too narrow: at {at_s:.2} s the path is {mm:.0} mm outside"),
+        ),
+        Elastic::Reach(i) => (
+            Cause::Reach,
+            format!(
+                "the path leaves the reach of body `{}`: at {at_s:.2} s by {mm:.0} mm",
+                scene.reaches[i].body
+            ),
+        ),
+    };
+    infeasible(cause, &reason, changes)
+}
+
+/// The least by which one elastic thing alone would have to give way, if that is enough.
+pub(super) fn alone(question: &Question, of: Elastic) -> Option<Change> {
+    let Err(Refusal::Elastic(given)) = solve_within(&Question { relaxed: Some(of), ..*question })
+    else {
+        return None;
+    };
+    let by_m = given.iter().find(|s| s.of == of)?.by_m;
+    if given.iter().any(|s| s.of != of) {
+        return None;
+    }
+    Some(match of {
+        Elastic::Obstacle(i) => {
+            Change::ShrinkObstacle { name: question.scene.obstacles[i].0.clone(), by_m }
+        }
+        Elastic::Corridor => {
+            let from_m = question.limits.corridor_m?;
+            Change::WidenCorridor { from_m, to_m: from_m + by_m }
+        }
+        Elastic::Reach(i) => {
+            Change::ExtendReach { body: question.scene.reaches[i].body.clone(), by_m }
+        }
+    })
+}
+
+#[cfg(test)]
+mod scene_tests;
 #[cfg(test)]
 mod tests;

@@ -1,18 +1,28 @@
 //! The projection of a reference onto the limits as a conic quadratic program in state form.
 //!
 //! ```text
-//! minimise  w_d int |p - r|^2 dt + w_j int |j|^2 dt
+//! minimise  w_d int |p - r|^2 dt + w_j int |j|^2 dt + w_s sum s
 //! p' = p + v dt + a dt^2/2 + j dt^3/6,  v' = v + a dt + j dt^2/2,  a' = a + j dt   (exact)
 //! p_0 = r_0,  p_T = r_T,  v and a zero at both ends
 //! |v| <= v_max,  |a| <= a_max,  -j_max <= j_axis <= j_max,  lo <= p <= hi
+//! n . p >= h - s,  |p - m| <= rho + s,  s >= 0        (obstacles, corridor, reach: elastic)
+//! n . (p, v or a) <= h                                (what the robot asks for: not elastic)
 //! ```
-//! Units: every quantity is divided by its limit, positions by `v_max dt`, and the position is the
-//! deviation `d = (p - r) / (v_max dt)` from the reference, so that the numbers are of size one
-//! whatever the duration. Between knots `v` is a parabola and `p` a cubic; they lie in the convex
-//! hull of their Bezier points, and the limits are put on those, so that they hold at every time and
-//! not only at the knots. Acceleration is linear between knots and needs nothing more.
+//! The state at every knot is written in the spline coefficients of [`super::stencil`], which satisfy
+//! the dynamics exactly; with the jerks they are the variables: a third of those that the states
+//! themselves would be, and no rows for dynamics but the definition of the jerk, which keeps the
+//! conditioning of the state form (without the jerks as variables it takes twice the iterations).
+//!
+//! Units: time is counted in steps, lengths in `v_max dt`, velocity, acceleration and jerk in their
+//! limits, and coefficients are deviations from the reference, so that the numbers are of size one
+//! whatever the duration. Limits are put on Bezier points, so that they hold at every time and not
+//! only at the knots.
 
 use super::limits::{Box3, PathLimits};
+use super::scene::Order;
+use super::stencil::{
+    Stencil, acceleration, jerk, position, position_inner, velocity, velocity_middle,
+};
 use crate::math::Vec3;
 use crate::qp::{Cone, Problem};
 
@@ -20,6 +30,49 @@ use crate::qp::{Cone, Problem};
 pub(super) const SPEED: &str = "speed";
 pub(super) const ACCELERATION: &str = "acceleration";
 pub(super) const JERK: &str = "jerk";
+pub(super) const ROBOT: &str = "robot";
+
+/// Cost of one unit (`v_max dt`) of slack. Above the multipliers of any path that can be kept, which
+/// grow to some 1e3, the penalty is exact: slack is zero unless it must be more.
+pub(super) const SLACK_COST: f64 = 1e5;
+
+/// `normal . x <= bound` at one place, SI; with a slack, `<= bound + s` (m, unit normal).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Plane {
+    pub(super) label: String,
+    pub(super) at: Stencil,
+    pub(super) order: Order,
+    pub(super) normal: Vec3,
+    pub(super) bound: f64,
+    pub(super) slack: Option<usize>,
+}
+
+/// `|p - center| <= radius + s` at one place, m.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Ball {
+    pub(super) label: String,
+    pub(super) at: Stencil,
+    pub(super) center: Vec3,
+    pub(super) radius: f64,
+    pub(super) slack: usize,
+}
+
+/// The rows beyond start, goal and speed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Rows {
+    /// Whether the acceleration is bounded.
+    pub(super) acceleration: bool,
+    /// Whether the jerk is bounded.
+    pub(super) jerk: bool,
+    /// Faces of the workspace box that are constrained: axis, whether upper.
+    pub(super) faces: Vec<(usize, bool)>,
+    /// Half-spaces.
+    pub(super) planes: Vec<Plane>,
+    /// Balls.
+    pub(super) balls: Vec<Ball>,
+    /// The slacks: cost of one unit of length each.
+    pub(super) slacks: Vec<f64>,
+}
 
 /// What a projection is asked to do.
 pub(super) struct Task<'a> {
@@ -32,37 +85,11 @@ pub(super) struct Task<'a> {
     pub(super) jerk_weight: f64,
     /// Share by which speed, acceleration and jerk stay below their limits.
     pub(super) margin: f64,
-    /// Faces of the workspace box that are constrained: axis, whether upper.
-    pub(super) faces: &'a [(usize, bool)],
+    pub(super) rows: &'a Rows,
 }
 
-/// Places of the variables: per knot d, v, a (three axes each) and, but for the last, j.
-const PER_KNOT: usize = 12;
-
-fn d(knot: usize, axis: usize) -> usize {
-    knot * PER_KNOT + axis
-}
-fn v(knot: usize, axis: usize) -> usize {
-    knot * PER_KNOT + 3 + axis
-}
-fn a(knot: usize, axis: usize) -> usize {
-    knot * PER_KNOT + 6 + axis
-}
-fn j(knot: usize, axis: usize) -> usize {
-    knot * PER_KNOT + 9 + axis
-}
-
-/// The unit-free ratios of the dynamics.
-struct Ratios {
-    /// `a_max dt / v_max`.
-    av: f64,
-    /// `j_max dt^2 / v_max`.
-    jv: f64,
-    /// `j_max dt / a_max`.
-    ja: f64,
-    /// Length of one unit of position, `v_max dt`, m.
-    length: f64,
-}
+/// One linear combination of variables, and a constant.
+type Line = (Vec<(usize, f64)>, f64);
 
 impl Task<'_> {
     /// Number of steps T.
@@ -70,126 +97,238 @@ impl Task<'_> {
         self.reference.len() - 1
     }
 
-    fn ratios(&self) -> Ratios {
-        let (h, l) = (self.step_s, self.limits);
-        Ratios {
-            av: l.acceleration_m_s2 * h / l.speed_m_s,
-            jv: l.jerk_m_s3 * h * h / l.speed_m_s,
-            ja: l.jerk_m_s3 * h / l.acceleration_m_s2,
-            length: l.speed_m_s * h,
-        }
+    /// One unit of length, m.
+    fn unit(&self) -> f64 {
+        self.limits.speed_m_s * self.step_s
+    }
+
+    /// Coefficients that rest on the reference, in units of length from the start.
+    fn base(&self) -> Vec<Vec3> {
+        let (steps, start) = (self.steps(), self.reference[0]);
+        let at = |i: usize| match i {
+            0..=2 => Vec3::zeros(),
+            i if i >= steps => (self.reference[steps] - start) / self.unit(),
+            i => (self.reference[i - 1] - start) / self.unit(),
+        };
+        (0..steps + 3).map(at).collect()
+    }
+
+    /// Column of the free coefficient `i`, none for those that start and goal fix.
+    fn coefficient(&self, i: usize, axis: usize) -> Option<usize> {
+        (3..self.steps()).contains(&i).then(|| (i - 3) * 3 + axis)
+    }
+
+    fn jerk_column(&self, k: usize, axis: usize) -> usize {
+        (self.steps() - 3 + k) * 3 + axis
+    }
+
+    fn slack_column(&self, i: usize) -> usize {
+        (2 * self.steps() - 3) * 3 + i
     }
 
     /// Jerks (m/s^3) of a solution.
     pub(super) fn jerks(&self, x: &[f64]) -> Vec<Vec3> {
         let scale = self.limits.jerk_m_s3;
-        let axis = |k: usize, i: usize| x[j(k, i)] * scale;
+        let axis = |k: usize, i: usize| x[self.jerk_column(k, i)] * scale;
         (0..self.steps()).map(|k| Vec3::new(axis(k, 0), axis(k, 1), axis(k, 2))).collect()
+    }
+
+    /// Slacks (m) of a solution.
+    pub(super) fn slacks(&self, x: &[f64]) -> Vec<f64> {
+        let unit = self.unit();
+        (0..self.rows.slacks.len()).map(|i| x[self.slack_column(i)].max(0.0) * unit).collect()
+    }
+
+    /// `normal . stencil` in units of length: entries of the free coefficients, and the rest.
+    fn line(&self, base: &[Vec3], at: &Stencil, normal: &Vec3) -> Line {
+        let mut entries = Vec::with_capacity(12);
+        for (n, weight) in at.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            for axis in (0..3).filter(|axis| normal[*axis] != 0.0) {
+                if let Some(column) = self.coefficient(at.first + n, axis) {
+                    entries.push((column, weight * normal[axis]));
+                }
+            }
+        }
+        (entries, normal.dot(&at.of(base)))
     }
 
     /// The program.
     pub(super) fn problem(&self) -> Problem {
-        let steps = self.steps();
-        let ratios = self.ratios();
-        let mut problem = Problem::new(steps * PER_KNOT + 9);
-        // Both integrals divided by w_d dt (v_max dt)^2.
-        let jerk_cost = self.jerk_weight * (self.limits.jerk_m_s3 / ratios.length).powi(2);
-        for axis in 0..3 {
-            for k in 0..=steps {
-                problem.quadratic.push((d(k, axis), d(k, axis), 2.0));
-            }
-            for k in 0..steps {
-                problem.quadratic.push((j(k, axis), j(k, axis), 2.0 * jerk_cost));
-            }
-        }
-        for axis in 0..3 {
-            for (label, k) in [("start at rest", 0), ("goal at rest", steps)] {
-                for place in [d(k, axis), v(k, axis), a(k, axis)] {
-                    problem.push_block(label, Cone::Zero, &[(&[(place, 1.0)], 0.0)]);
-                }
-            }
-            for k in 0..steps {
-                self.push_dynamics(&mut problem, &ratios, k, axis);
-            }
-        }
-        self.push_balls(&mut problem, &ratios);
-        for k in 0..steps {
-            for place in (0..3).map(|axis| j(k, axis)) {
+        let (steps, base) = (self.steps(), self.base());
+        let mut problem = Problem::new((2 * steps - 3) * 3 + self.rows.slacks.len());
+        self.push_cost(&mut problem, &base);
+        self.push_jerks(&mut problem, &base);
+        if self.rows.jerk {
+            for column in self.jerk_column(0, 0)..self.jerk_column(steps, 0) {
                 let limit = 1.0 - self.margin;
                 let rows: [(&[(usize, f64)], f64); 2] =
-                    [(&[(place, 1.0)], limit), (&[(place, -1.0)], limit)];
+                    [(&[(column, 1.0)], limit), (&[(column, -1.0)], limit)];
                 problem.push_block(JERK, Cone::Nonnegative, &rows);
             }
         }
-        if let Some(inner) = &self.limits.workspace {
-            for face in self.faces {
-                self.push_face(&mut problem, &ratios, inner, *face);
+        // In the first two and the last two steps the middle of the velocity is fixed or shared.
+        for k in 1..steps - 1 {
+            self.push_ball(&mut problem, &base, SPEED, &velocity_middle(k), 1.0);
+        }
+        if self.rows.acceleration {
+            let unit = self.limits.acceleration_m_s2 * self.step_s / self.limits.speed_m_s;
+            for k in 1..steps {
+                self.push_ball(&mut problem, &base, ACCELERATION, &acceleration(k), unit);
             }
+        }
+        if let Some(inner) = &self.limits.workspace {
+            for face in &self.rows.faces {
+                self.push_face(&mut problem, &base, inner, *face);
+            }
+        }
+        self.push_planes(&mut problem, &base);
+        self.push_reaches(&mut problem, &base);
+        for (i, cost) in self.rows.slacks.iter().enumerate() {
+            let column = self.slack_column(i);
+            problem.linear[column] = *cost;
+            problem.push_block("slack", Cone::Nonnegative, &[(&[(column, -1.0)], 0.0)]);
         }
         problem
     }
 
-    /// The state after step `k` from the state before.
-    fn push_dynamics(&self, problem: &mut Problem, r: &Ratios, k: usize, axis: usize) {
-        let moved = (self.reference[k + 1][axis] - self.reference[k][axis]) / r.length;
-        let to_d: [(usize, f64); 5] = [
-            (d(k, axis), 1.0),
-            (v(k, axis), 1.0),
-            (a(k, axis), r.av / 2.0),
-            (j(k, axis), r.jv / 6.0),
-            (d(k + 1, axis), -1.0),
-        ];
-        let to_v = [
-            (v(k, axis), 1.0),
-            (a(k, axis), r.av),
-            (j(k, axis), r.jv / 2.0),
-            (v(k + 1, axis), -1.0),
-        ];
-        let to_a = [(a(k, axis), 1.0), (j(k, axis), r.ja), (a(k + 1, axis), -1.0)];
-        let rows: [(&[(usize, f64)], f64); 3] = [(&to_d, moved), (&to_v, 0.0), (&to_a, 0.0)];
-        problem.push_block("dynamics", Cone::Zero, &rows);
-    }
-
-    /// Speed at the knots and at the middle Bezier points `v + a dt/2`; acceleration at the knots.
-    /// At both ends these are zero, and so are the middle points of the first and the last step.
-    fn push_balls(&self, problem: &mut Problem, r: &Ratios) {
+    /// Both integrals divided by `w_d dt (v_max dt)^2`.
+    fn push_cost(&self, problem: &mut Problem, base: &[Vec3]) {
         let steps = self.steps();
-        let limit = 1.0 - self.margin;
+        let start = self.reference[0];
         for k in 1..steps {
-            push_ball(problem, SPEED, limit, |axis| [(v(k, axis), -1.0), (a(k, axis), 0.0)]);
-            if k + 1 < steps {
-                let half = -r.av / 2.0;
-                push_ball(problem, SPEED, limit, |axis| [(v(k, axis), -1.0), (a(k, axis), half)]);
+            let at = position(k);
+            let wanted = (self.reference[k] - start) / self.unit();
+            for axis in 0..3 {
+                let (entries, rest) = self.line(base, &at, &Vec3::ith(axis, 1.0));
+                for (i, (column, weight)) in entries.iter().enumerate() {
+                    problem.linear[*column] += 2.0 * weight * (rest - wanted[axis]);
+                    for (other, other_weight) in &entries[i..] {
+                        problem.quadratic.push((*column, *other, 2.0 * weight * other_weight));
+                    }
+                }
             }
-            push_ball(problem, ACCELERATION, limit, |axis| [(a(k, axis), -1.0), (v(k, axis), 0.0)]);
+        }
+        let cost = self.jerk_weight * (self.limits.jerk_m_s3 / self.unit()).powi(2);
+        for column in self.jerk_column(0, 0)..self.jerk_column(steps, 0) {
+            problem.quadratic.push((column, column, 2.0 * cost));
         }
     }
 
-    /// One face of the box, for the knots and the two inner Bezier points `p + v dt/3` and
-    /// `p + 2 v dt/3 + a dt^2/6` of each step. The first and the last step's are start and goal.
-    fn push_face(&self, problem: &mut Problem, r: &Ratios, inner: &Box3, face: (usize, bool)) {
-        let (axis, is_upper) = face;
+    /// The jerks as differences of the coefficients.
+    fn push_jerks(&self, problem: &mut Problem, base: &[Vec3]) {
+        let unit = self.limits.jerk_m_s3 * self.step_s.powi(3) / self.unit();
+        for k in 0..self.steps() {
+            for axis in 0..3 {
+                let (mut entries, rest) = self.line(base, &jerk(k), &Vec3::ith(axis, 1.0));
+                for entry in &mut entries {
+                    entry.1 /= unit;
+                }
+                entries.push((self.jerk_column(k, axis), -1.0));
+                problem.push_block("dynamics", Cone::Zero, &[(&entries, -rest / unit)]);
+            }
+        }
+    }
+
+    /// `|stencil| <= unit`, less the margin.
+    fn push_ball(
+        &self,
+        problem: &mut Problem,
+        base: &[Vec3],
+        label: &'static str,
+        at: &Stencil,
+        unit: f64,
+    ) {
+        let lines: [Line; 3] = std::array::from_fn(|axis| {
+            let (mut entries, rest) = self.line(base, at, &Vec3::ith(axis, 1.0));
+            for entry in &mut entries {
+                entry.1 /= -unit;
+            }
+            (entries, rest / unit)
+        });
+        // Start and goal alone: nothing to choose.
+        if lines.iter().all(|(entries, _)| entries.is_empty()) {
+            return;
+        }
+        let [x, y, z] = &lines;
+        let rows: [(&[(usize, f64)], f64); 4] =
+            [(&[], 1.0 - self.margin), (&x.0, x.1), (&y.0, y.1), (&z.0, z.1)];
+        problem.push_block(label, Cone::SecondOrder, &rows);
+    }
+
+    /// One face of the box, for the inner Bezier points of each step; the knots are their means.
+    fn push_face(
+        &self,
+        problem: &mut Problem,
+        base: &[Vec3],
+        inner: &Box3,
+        (axis, is_upper): (usize, bool),
+    ) {
         // A hair inside, for the rounding of the solution; less in a thin box.
         let width = inner.max[axis] - inner.min[axis];
         let hair = (width / 4.0).min(1e-7);
-        let sign = if is_upper { 1.0 } else { -1.0 };
-        let label = face_label(inner, face);
-        let steps = self.steps();
-        for k in 1..steps {
-            let point = self.reference[k];
-            let room = (-inner.excess(&point, axis, is_upper) - hair) / r.length;
-            let knot = [(d(k, axis), sign)];
-            let first = [(d(k, axis), sign), (v(k, axis), sign / 3.0)];
-            let second = [
-                (d(k, axis), sign),
-                (v(k, axis), sign * 2.0 / 3.0),
-                (a(k, axis), sign * r.av / 6.0),
-            ];
-            let rows: [(&[(usize, f64)], f64); 3] =
-                [(&knot, room), (&first, room), (&second, room)];
-            let count = if k + 1 < steps { 3 } else { 1 };
-            problem.push_block(label.clone(), Cone::Nonnegative, &rows[..count]);
+        let label = face_label(inner, (axis, is_upper));
+        let outward = Vec3::ith(axis, if is_upper { 1.0 } else { -1.0 });
+        let room = (-inner.excess(&self.reference[0], axis, is_upper) - hair) / self.unit();
+        for at in (1..self.steps() - 1).flat_map(position_inner) {
+            let (entries, rest) = self.line(base, &at, &outward);
+            if !entries.is_empty() {
+                let row: (&[(usize, f64)], f64) = (&entries, room - rest);
+                problem.push_block(label.clone(), Cone::Nonnegative, &[row]);
+            }
         }
+    }
+
+    fn push_planes(&self, problem: &mut Problem, base: &[Vec3]) {
+        for plane in &self.rows.planes {
+            let size = plane.normal.norm();
+            let normal = plane.normal / size;
+            let unit = match plane.order {
+                Order::Position => self.unit(),
+                Order::Velocity => self.unit() / self.step_s,
+                Order::Acceleration => self.unit() / self.step_s.powi(2),
+            };
+            let (mut entries, rest) = self.line(base, &plane.at, &normal);
+            let origin = match plane.order {
+                Order::Position => normal.dot(&self.reference[0]),
+                _ => 0.0,
+            };
+            if size == 0.0 || entries.is_empty() {
+                continue;
+            }
+            entries.extend(plane.slack.map(|i| (self.slack_column(i), -1.0)));
+            let bound = (plane.bound / size - origin) / unit - rest;
+            problem.push_block(plane.label.clone(), Cone::Nonnegative, &[(&entries, bound)]);
+        }
+    }
+
+    fn push_reaches(&self, problem: &mut Problem, base: &[Vec3]) {
+        for ball in &self.rows.balls {
+            let middle = (ball.center - self.reference[0]) / self.unit();
+            let lines: [Line; 3] = std::array::from_fn(|axis| {
+                let (mut entries, rest) = self.line(base, &ball.at, &Vec3::ith(axis, 1.0));
+                for entry in &mut entries {
+                    entry.1 = -entry.1;
+                }
+                (entries, rest - middle[axis])
+            });
+            if lines.iter().all(|(entries, _)| entries.is_empty()) {
+                continue;
+            }
+            let [x, y, z] = &lines;
+            let widened = [(self.slack_column(ball.slack), -1.0)];
+            let rows: [(&[(usize, f64)], f64); 4] =
+                [(&widened, ball.radius / self.unit()), (&x.0, x.1), (&y.0, y.1), (&z.0, z.1)];
+            problem.push_block(ball.label.clone(), Cone::SecondOrder, &rows);
+        }
+    }
+}
+
+/// The place of a condition at a knot.
+pub(super) fn at_knot(order: Order, knot: usize) -> Stencil {
+    match order {
+        Order::Position => position(knot),
+        Order::Velocity => velocity(knot),
+        Order::Acceleration => acceleration(knot),
     }
 }
 
@@ -198,19 +337,5 @@ pub(super) fn face_label(inner: &Box3, (axis, is_upper): (usize, bool)) -> Strin
     format!("workspace box ({})", inner.face(axis, is_upper))
 }
 
-/// `|sum of two entries per axis| <= limit`; entries of value zero are left out.
-fn push_ball(
-    problem: &mut Problem,
-    label: &'static str,
-    limit: f64,
-    entries: impl Fn(usize) -> [(usize, f64); 2],
-) {
-    let axes = [entries(0), entries(1), entries(2)];
-    let used = |axis: usize| -> &[(usize, f64)] {
-        let count = if axes[axis][1].1 == 0.0 { 1 } else { 2 };
-        &axes[axis][..count]
-    };
-    let rows: [(&[(usize, f64)], f64); 4] =
-        [(&[], limit), (used(0), 0.0), (used(1), 0.0), (used(2), 0.0)];
-    problem.push_block(label, Cone::SecondOrder, &rows);
-}
+#[cfg(test)]
+mod tests;

@@ -13,6 +13,10 @@ use crate::trajectory::TimedPath;
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
 
+mod around;
+
+pub use around::{verify_motion, verify_optimality, verify_scene};
+
 /// Points of the fine grid in one step.
 const FINER: usize = 10;
 /// Relative tolerance of every comparison, and the absolute one where the limit is zero.
@@ -41,6 +45,30 @@ pub enum Quantity {
     Rest,
     /// Largest jump of position, velocity or acceleration between steps, SI.
     Continuity,
+    /// How far the TCP is inside the clearance of an obstacle, m; negative outside.
+    KeepOut,
+    /// How far the TCP is outside the corridor about the reference, m; negative inside.
+    Corridor,
+    /// How far the TCP is outside the ball that some hand reaches, m; negative inside.
+    Reach,
+    /// Largest speed of a joint of the robot, as a share of its limit, between the knots too.
+    JointSpeed,
+    /// Largest acceleration of a joint of the robot, as a share of its limit.
+    JointAcceleration,
+    /// How far a joint of the robot is beyond its range, rad (m for sliding joints); negative inside.
+    JointRange,
+    /// Distance between the TCP by the robot's joints and the path, between the knots too, m.
+    Tracking,
+    /// Projection: largest residual of the equalities, unit-free.
+    Equality,
+    /// Projection: largest distance of a slack or a multiplier from its cone, unit-free; multipliers
+    /// as shares of the largest.
+    Cone,
+    /// Projection: largest component of the gradient of the Lagrangian, as a share of the largest
+    /// multiplier.
+    Stationarity,
+    /// Projection: the duality gap, as a share of the largest multiplier.
+    Complementarity,
 }
 
 impl Quantity {
@@ -55,7 +83,31 @@ impl Quantity {
             Self::AngularAcceleration => ("angular acceleration", "rad/s^2"),
             Self::Rest => ("speed at an end of the path", "m/s"),
             Self::Continuity => ("jump between steps", ""),
+            Self::KeepOut => ("depth inside the clearance of an obstacle", "m"),
+            Self::Corridor => ("distance outside the corridor", "m"),
+            Self::Reach => ("distance outside a hand's reach", "m"),
+            Self::JointSpeed => ("share of a joint's speed limit", ""),
+            Self::JointAcceleration => ("share of a joint's acceleration limit", ""),
+            Self::JointRange => ("distance of a joint beyond its range", "rad"),
+            Self::Tracking => ("distance of the robot from the path", "m"),
+            Self::Equality => ("optimality: equalities", ""),
+            Self::Cone => ("optimality: cones", ""),
+            Self::Stationarity => ("optimality: gradient", ""),
+            Self::Complementarity => ("optimality: duality gap", ""),
         }
+    }
+
+    /// Whether this tells how near a path is to the best one, not whether it keeps its limits.
+    pub fn is_optimality(self) -> bool {
+        matches!(self, Self::Equality | Self::Cone | Self::Stationarity | Self::Complementarity)
+    }
+
+    /// Whether the limit is zero and the value a signed distance from it.
+    fn is_distance(self) -> bool {
+        matches!(
+            self,
+            Self::Workspace | Self::KeepOut | Self::Corridor | Self::Reach | Self::JointRange
+        )
     }
 }
 
@@ -78,9 +130,9 @@ impl Check {
         self.limit - self.value
     }
 
-    /// Whether the limit is kept, within 1e-9 of it (1e-9 m for the box).
+    /// Whether the limit is kept, within 1e-9 of it (1e-9 m or rad for distances).
     pub fn is_met(&self) -> bool {
-        let room = if self.quantity == Quantity::Workspace { 1.0 } else { self.limit };
+        let room = if self.quantity.is_distance() { 1.0 } else { self.limit };
         self.value <= self.limit + TOLERANCE * room
     }
 
@@ -131,31 +183,40 @@ fn worst(quantity: Quantity, limit: f64, pairs: impl IntoIterator<Item = (f64, f
     check
 }
 
-/// Measures a projected path exactly. A path with no steps, or with numbers of knots that do not fit,
-/// fails the check of its continuity.
-pub fn verify(path: &SmoothPath, limits: &PathLimits) -> Verification {
+/// Time, then [p, v, a, j], on the fine grid, by Horner's rule from the knot before; none for a path
+/// with no steps, or with numbers of knots that do not fit.
+fn fine_states(path: &SmoothPath) -> Option<Vec<(f64, [Vec3; 4])>> {
     let knots = path.jerk.len() + 1;
     let counts = [path.position.len(), path.velocity.len(), path.acceleration.len()];
     if knots < 2 || counts != [knots; 3] {
-        let nothing = [(0.0, f64::INFINITY)];
-        return Verification { checks: vec![worst(Quantity::Continuity, TOLERANCE, nothing)] };
+        return None;
     }
     let h = path.step_s;
-    // Time, then [p, v, a, j], by Horner's rule from the knot before.
-    let piece = |k: usize, e: f64| -> [Vec3; 4] {
-        let (p, v, a, j) = (path.position[k], path.velocity[k], path.acceleration[k], path.jerk[k]);
-        let acceleration = j * e + a;
-        let velocity = (j * (e / 2.0) + a) * e + v;
-        [((j * (e / 3.0) + a) * (e / 2.0) + v) * e + p, velocity, acceleration, j]
-    };
-    let fine: Vec<(f64, [Vec3; 4])> = (0..knots - 1)
+    let fine = (0..knots - 1)
         .flat_map(|k| (0..=FINER).map(move |i| (k, h * i as f64 / FINER as f64)))
-        .map(|(k, e)| (k as f64 * h + e, piece(k, e)))
-        .collect();
+        .map(|(k, e)| (k as f64 * h + e, piece(path, k, e)));
+    Some(fine.collect())
+}
+
+fn piece(path: &SmoothPath, k: usize, e: f64) -> [Vec3; 4] {
+    let (p, v, a, j) = (path.position[k], path.velocity[k], path.acceleration[k], path.jerk[k]);
+    let acceleration = j * e + a;
+    let velocity = (j * (e / 2.0) + a) * e + v;
+    [((j * (e / 3.0) + a) * (e / 2.0) + v) * e + p, velocity, acceleration, j]
+}
+
+/// Measures a projected path exactly. A path with no steps, or with numbers of knots that do not fit,
+/// fails the check of its continuity.
+pub fn verify(path: &SmoothPath, limits: &PathLimits) -> Verification {
+    let Some(fine) = fine_states(path) else {
+        let nothing = [(0.0, f64::INFINITY)];
+        return Verification { checks: vec![worst(Quantity::Continuity, TOLERANCE, nothing)] };
+    };
+    let (h, knots) = (path.step_s, path.jerk.len() + 1);
     let norms = |order: usize| fine.iter().map(move |(t, state)| (*t, state[order].norm()));
     let jerks = fine.iter().map(|(t, state)| (*t, state[3].amax()));
     let jumps = (0..knots - 1).map(|k| {
-        let end = piece(k, h);
+        let end = piece(path, k, h);
         let next = [path.position[k + 1], path.velocity[k + 1], path.acceleration[k + 1]];
         let jump = end.iter().zip(next).map(|(a, b)| size(&(a - b))).fold(0.0, f64::max);
         ((k + 1) as f64 * h, jump)

@@ -1,5 +1,6 @@
 //! The run in words: verdict, comparisons, origins of inputs, assumptions.
 
+use super::causes::nothing_feasible;
 use super::evaluate::Walks;
 use super::result::{
     BodyScores, CandidateResult, Comparison, Evaluated, IfChanged, InputOrigin, ModelSummary,
@@ -114,35 +115,7 @@ pub(super) fn verdict(
             body.reba.expected + change.reba,
         ));
     }
-    Verdict { headline, lines, best: Some(best.id.clone()), caveat }
-}
-
-fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<String>) -> Verdict {
-    let mut reasons: Vec<(String, usize)> = Vec::new();
-    let mut marked = Vec::new();
-    for c in candidates {
-        match &c.status {
-            Status::Infeasible { stage, reason } => {
-                let text = format!("{stage}: {reason}");
-                match reasons.iter_mut().find(|(t, _)| *t == text) {
-                    Some((_, n)) => *n += 1,
-                    None => reasons.push((text, 1)),
-                }
-            }
-            Status::Marked { violations } => {
-                marked.push(format!("`{}` is over a limit: {}", c.id, violations.join("; ")));
-            }
-            Status::Feasible => {}
-        }
-    }
-    reasons.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-    let mut lines: Vec<String> = reasons
-        .into_iter()
-        .take(5)
-        .map(|(t, n)| format!("{n} of {}: {t}", candidates.len()))
-        .collect();
-    lines.extend(marked);
-    Verdict { headline: "No path keeps all limits".to_owned(), lines, best: None, caveat }
+    Verdict { headline, lines, best: Some(best.id.clone()), changes: Vec::new(), caveat }
 }
 
 fn is_users(scenario: &Scenario, id: &str) -> bool {

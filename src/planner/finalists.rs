@@ -210,6 +210,7 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             id: t.id.clone(),
             family: Family::Sampled,
             status,
+            changes: Vec::new(),
             evaluated,
             vias_m: vias.into_iter().map(Into::into).collect(),
             objective: (t.people > 0).then_some(t.value),

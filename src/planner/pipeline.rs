@@ -204,10 +204,15 @@ fn run(
     let certificate = best.as_ref().map(|(_, f)| certificate(&environment, f));
     let inputs = inputs(scenario, &lens, best.as_ref().map(|b| &b.0));
     let comparisons = comparisons(&candidates);
+    let mut verdict = verdict(scenario, &candidates, &comparisons, &inputs);
+    if verdict.best.is_none() {
+        let refused: Vec<&Prepared> = chosen.iter().map(|f| &f.prepared).collect();
+        workshop.explain(&refused, &mut verdict);
+    }
     Ok(RunResult {
         schema: RESULT_SCHEMA,
         provenance: provenance(scenario, request, &lens),
-        verdict: verdict(scenario, &candidates, &comparisons, &inputs),
+        verdict,
         comparisons,
         inputs,
         threshold_sensitivity: best.as_ref().map(|(w, _)| w.sensitivity(&lens)),
@@ -316,6 +321,7 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         family: prepared.family,
         status: prepared.status.clone(),
         evaluated,
+        changes: prepared.changes.clone(),
         vias_m: prepared.vias_m.clone(),
         objective: None,
         bodies: Vec::new(),

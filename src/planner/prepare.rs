@@ -5,8 +5,9 @@ use super::preset::Preset;
 use super::result::{PathData, Status};
 use crate::math::Pose;
 use crate::path::{
-    Candidate, Check, Family, Projection, ProjectionSettings, Verification, project,
-    reference_path, verify, verify_samples,
+    Arm, Candidate, Change, Check, Family, Followed, Projection, ProjectionSettings, Reach, Scene,
+    SmoothPath, Verification, project_for_arm, reference_path, verify, verify_motion,
+    verify_optimality, verify_samples, verify_scene,
 };
 use crate::robot::{
     Follow, FollowSettings, JointTrajectory, Robot, RobotMotion, Starts, check_joint_path,
@@ -27,6 +28,8 @@ pub(super) struct Prepared {
     pub family: Family,
     pub vias_m: Vec<[f64; 3]>,
     pub status: Status,
+    /// The candidate before the limits; none for the user's own.
+    pub reference: Option<TimedPath>,
     /// TCP in the world on the uniform grid; none when refused before that.
     pub path: Option<TimedPath>,
     pub checks: Vec<Check>,
@@ -36,6 +39,8 @@ pub(super) struct Prepared {
     /// How far it is from being feasible, to order what is refused: m of an obstacle's depth, or by
     /// the stage that refused it.
     pub severity: f64,
+    /// What would help a path that is refused, each alone.
+    pub changes: Vec<Change>,
     /// Given by the user: kept and marked rather than refused.
     pub is_users: bool,
 }
@@ -46,13 +51,28 @@ pub(super) struct Workshop<'a> {
     preset: &'a Preset,
     follow: FollowSettings,
     robot_starts: Starts,
+    reaches: Vec<Reach>,
 }
 
 impl<'a> Workshop<'a> {
     pub(super) fn new(scenario: &'a Scenario, preset: &'a Preset, seed: u64) -> Self {
         let follow = FollowSettings { seed, ..FollowSettings::default() };
         let robot_starts = start_postures(&scenario.robot, &scenario.start, &follow);
-        Self { scenario, preset, follow, robot_starts }
+        let reaches = super::causes::reaches(scenario);
+        Self { scenario, preset, follow, robot_starts, reaches }
+    }
+
+    /// What the TCP's path has to mind.
+    pub(super) fn scene(&self) -> Scene<'_> {
+        Scene { obstacles: &self.scenario.obstacles, reaches: &self.reaches, conditions: &[] }
+    }
+
+    pub(super) fn scenario(&self) -> &'a Scenario {
+        self.scenario
+    }
+
+    pub(super) fn projection_settings(&self) -> ProjectionSettings {
+        ProjectionSettings { steps: self.preset.steps, ..Default::default() }
     }
 
     /// The robot where a variant puts it.
@@ -70,12 +90,14 @@ impl<'a> Workshop<'a> {
             family: candidate.family,
             vias_m: candidate.vias.iter().map(|v| (*v).into()).collect(),
             status: Status::Feasible,
+            reference: None,
             path: None,
             checks: Vec::new(),
             robot: None,
             clearance: None,
             moved_m: 0.0,
             severity: 0.0,
+            changes: Vec::new(),
             is_users: false,
         };
         let s = self.scenario;
@@ -86,64 +108,62 @@ impl<'a> Workshop<'a> {
             variant.duration_s,
             self.preset.steps,
         );
-        let settings = ProjectionSettings { steps: self.preset.steps, ..Default::default() };
-        let projection = match reference {
-            Ok(reference) => project(&reference, &s.limits, &settings),
+        let reference = match reference {
+            Ok(reference) => reference,
             Err(e) => return prepared.refused("path", e.to_string()),
         };
-        let smooth = match projection {
-            Projection::Feasible { path, moved_m, .. } => {
-                prepared.moved_m = moved_m;
-                path
-            }
-            Projection::Infeasible { reason, .. } => return prepared.refused("path", reason),
-        };
-        let verification = verify(&smooth, &s.limits);
-        let fault = verification.violations().next().map(Check::sentence);
-        prepared.checks = verification.checks;
-        if let Some(sentence) = fault {
-            return prepared.refused("path", sentence);
-        }
-        match smooth.timed(self.preset.steps) {
-            Ok(path) => self.with_robot(prepared, path),
-            Err(e) => prepared.refused("path", e.to_string()),
-        }
-    }
-
-    fn with_robot(&self, mut prepared: Prepared, path: TimedPath) -> Prepared {
-        let s = self.scenario;
+        prepared.reference = Some(reference.clone());
         let (moved, new_starts);
-        let is_moved = prepared.variant.base != s.robot.base || prepared.variant.start != s.start;
+        let is_moved = variant.base != s.robot.base || variant.start != s.start;
         let (robot, starts) = if is_moved {
-            moved = self.robot_of(&prepared.variant);
-            new_starts = start_postures(&moved, &prepared.variant.start, &self.follow).postures;
+            moved = self.robot_of(variant);
+            new_starts = start_postures(&moved, &variant.start, &self.follow).postures;
             (&moved, &new_starts)
         } else {
             (&s.robot, &self.robot_starts.postures)
         };
-        // Few starts first: most paths need no more, and tracking is the cost.
-        let few = starts.len().min(2);
-        let first = follow_from(robot, &path.time_s, &path.poses, &starts[..few], &self.follow);
-        let follow = match first {
-            Follow::Infeasible { .. } if starts.len() > few || starts.is_empty() => {
-                follow_from(robot, &path.time_s, &path.poses, starts, &self.follow)
-            }
-            done => done,
-        };
-        match follow {
-            Follow::Feasible(motion) => {
-                let broken = between_knots(robot, &path, &motion);
+        // A ball about a shoulder that has moved with the worker would be another one.
+        let is_walked = variant.at_m != s.worker.at_m || variant.facing != s.worker.facing;
+        let scene = Scene { reaches: if is_walked { &[] } else { &self.reaches }, ..self.scene() };
+        let arm = Arm { robot, starts, settings: &self.follow };
+        let settings = self.projection_settings();
+        match project_for_arm(&reference, &s.limits, &scene, &settings, &arm) {
+            Followed::Feasible { projection, motion, between, .. } => {
+                let Projection::Feasible { path, moved_m, optimality, .. } = projection else {
+                    return prepared.refused("path", "the projection holds no path".to_owned());
+                };
+                prepared.moved_m = moved_m;
+                prepared.checks = verify(&path, &s.limits).checks;
+                prepared.checks.extend(verify_scene(&path, &s.limits, &scene, &reference).checks);
+                prepared.checks.extend(verify_optimality(&optimality).checks);
+                prepared.checks.extend(verify_motion(&between).checks);
                 prepared.clearance = self.clearance(robot, &motion);
+                let knots = path.timed(self.preset.steps).ok();
+                let broken = knots.and_then(|p| between_knots(robot, &p, &motion));
                 prepared.robot = Some(motion);
-                prepared.path = Some(path);
-                if let Some(reason) = broken {
-                    return prepared.refused("robot", reason);
+                match broken {
+                    Some(reason) => prepared.refused("robot", reason),
+                    None => self.kept(prepared, &path),
                 }
             }
-            Follow::Infeasible { reason, .. } => {
-                prepared.path = Some(path);
-                return prepared.refused("robot", reason);
+            Followed::NoPath(refusal) => prepared.because("path", refusal),
+            Followed::NoMotion { path, refusal } => {
+                prepared.path = path.timed(self.preset.steps).ok();
+                prepared.because("robot", refusal)
             }
+        }
+    }
+
+    /// A path with all its checks: refused if one is broken or a link touches an obstacle.
+    fn kept(&self, mut prepared: Prepared, path: &SmoothPath) -> Prepared {
+        match path.timed(self.preset.steps) {
+            Ok(timed) => prepared.path = Some(timed),
+            Err(e) => return prepared.refused("path", e.to_string()),
+        }
+        // A path that keeps its limits is one, even if a nearer one might exist.
+        let broken = prepared.checks.iter().find(|c| !c.is_met() && !c.quantity.is_optimality());
+        if let Some(sentence) = broken.map(Check::sentence) {
+            return prepared.refused("path", sentence);
         }
         match prepared.clearance.clone() {
             Some((distance, what)) if distance <= SMALLEST_CLEARANCE_M => prepared
@@ -173,12 +193,14 @@ impl<'a> Workshop<'a> {
             family: Family::Drawn,
             vias_m: Vec::new(),
             status: Status::Feasible,
+            reference: None,
             path: None,
             checks,
             robot: None,
             clearance: None,
             moved_m: 0.0,
             severity: 0.0,
+            changes: Vec::new(),
             is_users: true,
         };
         let step = s.duration_s / self.preset.steps as f64;
@@ -242,6 +264,16 @@ impl Prepared {
         };
         self.status = Status::Infeasible { stage: stage.to_owned(), reason };
         self
+    }
+
+    fn because(mut self, stage: &str, refusal: Projection) -> Self {
+        match refusal {
+            Projection::Infeasible { reason, changes, .. } => {
+                self.changes = changes;
+                self.refused(stage, reason)
+            }
+            Projection::Feasible { .. } => self,
+        }
     }
 
     /// A path that nobody of some body size can follow to the end is no path; the user's own is only

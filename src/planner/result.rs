@@ -6,7 +6,7 @@ use super::preset::Preset;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
 };
-use crate::path::{Check, Family};
+use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
 use crate::scenario::{Origin, Task};
@@ -115,6 +115,9 @@ pub struct Verdict {
     pub lines: Vec<String>,
     /// Id of the best feasible path, if there is one.
     pub best: Option<String>,
+    /// Where no path is feasible: the smallest change of each kind that would help, alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Change>,
     /// "demonstration model, not your workers", when that applies.
     pub caveat: Option<String>,
 }
@@ -132,6 +135,9 @@ pub struct CandidateResult {
     pub status: Status,
     /// Stage up to which it was evaluated.
     pub evaluated: Evaluated,
+    /// What would make a path that is not feasible possible, each alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Change>,
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
     /// The objective on the block that ranked it.

@@ -113,6 +113,17 @@ pub(super) fn quantity_words(quantity: Quantity) -> (&'static str, &'static str)
         Quantity::AngularAcceleration => ("angular acceleration", "rad/s²"),
         Quantity::Rest => ("speed at start and goal (at rest)", "m/s"),
         Quantity::Continuity => ("largest jump between steps", "SI"),
+        Quantity::KeepOut => ("depth inside an obstacle's clearance (negative: clear)", "m"),
+        Quantity::Corridor => ("distance outside the corridor (negative: inside)", "m"),
+        Quantity::Reach => ("distance outside a hand's reach (negative: inside)", "m"),
+        Quantity::JointSpeed => ("robot joint speed, share of its limit", ""),
+        Quantity::JointAcceleration => ("robot joint acceleration, share of its limit", ""),
+        Quantity::JointRange => ("robot joint beyond its range (negative: inside)", "rad"),
+        Quantity::Tracking => ("robot beside the path, between knots too", "m"),
+        Quantity::Equality => ("projection: residual of the equalities", ""),
+        Quantity::Cone => ("projection: distance from the cones", ""),
+        Quantity::Stationarity => ("projection: gradient at the optimum", ""),
+        Quantity::Complementarity => ("projection: duality gap", ""),
     }
 }
 

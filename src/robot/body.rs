@@ -10,6 +10,9 @@ use nalgebra::{Matrix6, Matrix6xX};
 /// Length by which a rotation counts as a displacement, m: about half a forearm.
 pub(super) const ROTATION_SCALE_M: f64 = 0.3;
 
+/// Keeps joint rates finite in singular postures, m^2.
+const RATE_DAMPING: f64 = 1e-6;
+
 /// A capsule fixed to a link: all points within `radius` of the segment from `a` to `b`.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
@@ -194,6 +197,23 @@ pub fn min_singular_value(robot: &Robot, q: &[f64]) -> f64 {
     } else {
         0.0
     }
+}
+
+/// How joint speeds follow from the TCP's velocity at unchanged angular velocity: one vector for each
+/// joint, `qd_i = g_i . v` (rad/m, world axes), by the least joint motion.
+pub fn joint_rates(robot: &Robot, q: &[f64]) -> Vec<Vec3> {
+    let mut frames = Frames::default();
+    robot.linkage.forward(q, &mut frames);
+    let mut jacobian: Matrix6xX<f64> = robot.linkage.jacobian(&frames, 0);
+    jacobian.rows_mut(3, 3).scale_mut(ROTATION_SCALE_M);
+    let square: Matrix6<f64> =
+        &jacobian * jacobian.transpose() + Matrix6::from_diagonal_element(RATE_DAMPING);
+    let Some(factor) = square.cholesky() else { return vec![Vec3::zeros(); robot.dof()] };
+    let of = |column| -> Vec3 {
+        let rates: nalgebra::Vector6<f64> = factor.solve(&column);
+        robot.base.rotation * Vec3::new(rates[0], rates[1], rates[2])
+    };
+    jacobian.column_iter().map(|c| of(c.into_owned())).collect()
 }
 
 #[cfg(test)]

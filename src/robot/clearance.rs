@@ -70,6 +70,58 @@ impl Obstacle {
         }
     }
 
+    /// Signed distance (m) of a point in the world and its gradient there, a unit vector. Where the
+    /// gradient has several values (on an axis, in a corner's bisector) one of them is given.
+    ///
+    /// The signed distance `d` to a convex shape is convex, so that `d(x) >= d(p) + n . (x - p)` for
+    /// every `x`: the half-space `n . (x - p) >= r - d(p)` keeps a distance of `r`.
+    pub fn surface(&self, point: &Vec3) -> (f64, Vec3) {
+        let distance = self.signed_distance(point);
+        let normal = match self {
+            Self::Box { pose, size } => {
+                let p = pose.inverse_transform_point(&Point3::from(*point)).coords;
+                pose.rotation * box_normal(&p, &(0.5 * size))
+            }
+            Self::Sphere { center, .. } => unit_or(point - center, Vec3::z()),
+            Self::Capsule { a, b, .. } => {
+                let axis = b - a;
+                let length = axis.norm_squared();
+                let s = if length > 0.0 { (point - a).dot(&axis) / length } else { 0.0 };
+                unit_or(point - a - axis * s.clamp(0.0, 1.0), across(&axis))
+            }
+            Self::Cylinder { pose, radius, length } => {
+                let p = pose.inverse_transform_point(&Point3::from(*point)).coords;
+                let (side, end) = (p.x.hypot(p.y) - radius, p.z.abs() - 0.5 * length);
+                let outward = unit_or(Vec3::new(p.x, p.y, 0.0), Vec3::x());
+                let upward = Vec3::z() * if p.z < 0.0 { -1.0 } else { 1.0 };
+                pose.rotation
+                    * if side <= 0.0 && end <= 0.0 {
+                        if side >= end { outward } else { upward }
+                    } else {
+                        (outward * side.max(0.0) + upward * end.max(0.0)).normalize()
+                    }
+            }
+        };
+        (distance, normal)
+    }
+
+    /// How far the shape reaches along a unit vector: the largest `n . x` over its points, m.
+    pub fn support(&self, direction: &Vec3) -> f64 {
+        match self {
+            Self::Box { pose, size } => {
+                let local = pose.rotation.inverse() * direction;
+                direction.dot(&pose.translation.vector) + 0.5 * local.abs().dot(size)
+            }
+            Self::Sphere { center, radius } => direction.dot(center) + radius,
+            Self::Capsule { a, b, radius } => direction.dot(a).max(direction.dot(b)) + radius,
+            Self::Cylinder { pose, radius, length } => {
+                let local = pose.rotation.inverse() * direction;
+                let reach = 0.5 * length * local.z.abs() + radius * local.x.hypot(local.y);
+                direction.dot(&pose.translation.vector) + reach
+            }
+        }
+    }
+
     /// Smallest signed distance (m) to the capsule of `radius` about the segment from `a` to `b` in
     /// the world; zero or below when touching. Deep inside it is minus the depth of the capsule's
     /// deepest point.
@@ -98,6 +150,30 @@ impl Obstacle {
         }
         least - radius
     }
+}
+
+/// Outward normal of a box of the given half edges, in its own frame, nearest to `p`.
+fn box_normal(p: &Vec3, half: &Vec3) -> Vec3 {
+    let sign = p.map(|v| if v < 0.0 { -1.0 } else { 1.0 });
+    let excess = p.abs() - half;
+    if excess.max() > 0.0 {
+        return excess.map(|v| v.max(0.0)).component_mul(&sign).normalize();
+    }
+    let mut normal = Vec3::zeros();
+    normal[excess.imax()] = sign[excess.imax()];
+    normal
+}
+
+/// A unit vector along `v`, or `other` where `v` has no direction.
+fn unit_or(v: Vec3, other: Vec3) -> Vec3 {
+    v.try_normalize(1e-12).unwrap_or(other)
+}
+
+/// A unit vector across an axis.
+fn across(axis: &Vec3) -> Vec3 {
+    let mut other = Vec3::zeros();
+    other[axis.iamin()] = 1.0;
+    unit_or(axis.cross(&other), Vec3::z())
 }
 
 /// Length of the part of the excess `d` that lies outside.
@@ -155,6 +231,11 @@ mod tests {
                     (obstacle.signed_distance(&(p + e)) - obstacle.signed_distance(&(p - e)))
                         / (2.0 * h)
                 });
+                let (distance, normal) = obstacle.surface(&p);
+                assert!((distance - d).abs() < 1e-12 && (normal - slope).norm() < 1e-5);
+                // The half-space that the gradient bounds holds the whole shape.
+                assert!(obstacle.support(&normal) >= normal.dot(&p) - d - 1e-9);
+                assert!(d < 0.0 || obstacle.support(&normal) <= normal.dot(&p) - d + 1e-9);
                 let end = obstacle.signed_distance(&(p - slope.normalize() * d));
                 assert!(end.abs() < 1e-6, "{obstacle:?} at {p}: {d} then {end}");
             }

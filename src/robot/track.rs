@@ -1,11 +1,14 @@
 //! Following a sequence of poses from one start posture, knot by knot.
 
+use super::description::Robot;
 use super::ik::{Residual, Solver};
 use crate::math::Pose;
 use crate::math::pose::interpolate;
 
 /// Steps of inverse kinematics per knot.
 const STEPS: usize = 40;
+/// Tolerance of a traced pose, m and rad.
+const TRACE_TOLERANCE: f64 = 1e-8;
 /// Into how many pieces a knot that fails is divided, one try each.
 const PIECES: [u32; 2] = [4, 16];
 
@@ -63,4 +66,23 @@ pub(super) fn track(
         track.q.push(q.clone());
     }
     track
+}
+
+/// Follows as far as it goes: where a pose is out of reach, the nearest posture stands in and the
+/// following goes on from there. Without the pull to the middle of the ranges: the least joint motion.
+/// Poses in the world, K; `start` one value per joint.
+pub fn trace(robot: &Robot, poses: &[Pose], start: &[f64]) -> Vec<Vec<f64>> {
+    let mut solver = Solver::new(robot, TRACE_TOLERANCE, TRACE_TOLERANCE);
+    solver.centring = 0.0;
+    let mut q = start.to_vec();
+    let mut all = Vec::with_capacity(poses.len());
+    for pose in poses {
+        let before = q.clone();
+        solver.solve(&robot.base.inv_mul(pose), &mut q, STEPS);
+        if !q.iter().all(|v| v.is_finite()) {
+            q = before;
+        }
+        all.push(q.clone());
+    }
+    all
 }

@@ -101,6 +101,13 @@ pub(super) fn resolve_limits(
         &mut limits.angular_acceleration_rad_s2,
         "deg/s^2",
     )?;
+    match &file.clearance_m {
+        Some(value) => limits.clearance_m = source.number(value, "limits.clearance_m", 0.0, 1.0)?,
+        None => assumed.push(format!("clearance_m = {:.4} m", limits.clearance_m)),
+    }
+    if let Some(value) = &file.corridor_m {
+        limits.corridor_m = Some(source.number(value, "limits.corridor_m", 1e-3, 10.0)?);
+    }
     if let Some(at) = workspace {
         let WorkspaceFile { min_m, max_m } = at.get_ref();
         let is_box = (0..3).all(|i| min_m[i] < max_m[i] && max_m[i] - min_m[i] < 100.0);

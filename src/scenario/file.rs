@@ -173,6 +173,10 @@ pub(super) struct LimitsFile {
     pub jerk_m_s3: Option<Spanned<f64>>,
     pub angular_speed_deg_s: Option<Spanned<f64>>,
     pub angular_acceleration_deg_s2: Option<Spanned<f64>>,
+    /// Distance of the TCP from obstacles.
+    pub clearance_m: Option<Spanned<f64>>,
+    /// How far the path may be from the candidate it was made from.
+    pub corridor_m: Option<Spanned<f64>>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,7 +1,11 @@
 //! Projections are within every limit, near their reference, or refused with the right reason.
 
 use super::*;
+use crate::path::bounds::shortest_straight_s;
+use crate::path::limits::Box3;
+use crate::path::transcription::{Rows, Task};
 use crate::path::{CandidateSettings, Quantity, candidates, reference_path, verify};
+use crate::qp::{Outcome, solve};
 use crate::trajectory::minimum_jerk_line;
 use approx::assert_relative_eq;
 use proptest::prelude::*;
@@ -25,7 +29,7 @@ fn feasible(projection: Projection) -> (SmoothPath, f64) {
 
 fn refused(projection: Projection) -> (Cause, String) {
     match projection {
-        Projection::Infeasible { cause, reason } => (cause, reason),
+        Projection::Infeasible { cause, reason, .. } => (cause, reason),
         Projection::Feasible { .. } => panic!("feasible"),
     }
 }
@@ -168,14 +172,14 @@ fn the_solution_is_optimal_by_its_own_conditions() {
     for distance in [0.4, 0.8] {
         let path = line(distance, 4.0);
         let reference: Vec<Vec3> = path.poses.iter().map(|p| p.translation.vector).collect();
-        let (step_s, margin) = (0.04, MARGINS[0]);
+        let rows = Rows { acceleration: true, jerk: true, ..Rows::default() };
         let task = Task {
             reference: &reference,
-            step_s,
+            step_s: 0.04,
             limits: &limits,
             jerk_weight: 1e-4,
-            margin,
-            faces: &[],
+            margin: 1e-6,
+            rows: &rows,
         };
         let problem = task.problem();
         let Outcome::Solved { x, z, .. } = solve(&problem) else { panic!() };
@@ -226,7 +230,7 @@ proptest! {
                     let end = path.position[steps] - goal.translation.vector;
                     prop_assert!(end.norm() < 1e-10, "{end}");
                 }
-                Projection::Infeasible { cause: Cause::Turn, reason } => {
+                Projection::Infeasible { cause: Cause::Turn, reason, .. } => {
                     // Peaks of the minimum-jerk law: 1.875 and 10 / sqrt 3.
                     let speed = 1.875 * angle / duration;
                     let acceleration = 10.0 / 3f64.sqrt() * angle / (duration * duration);
@@ -234,7 +238,7 @@ proptest! {
                         || acceleration > limits.angular_acceleration_rad_s2;
                     prop_assert!(is_over, "{reason}");
                 }
-                Projection::Infeasible { cause, reason } => {
+                Projection::Infeasible { cause, reason, .. } => {
                     prop_assert!(cause == Cause::Duration, "{reason}");
                     prop_assert!(duration < shortest * 1.3, "{reason}");
                 }
