@@ -275,9 +275,54 @@ fn print(result: &RunResult, quiet: bool) {
     say!(
         "  and {searched} paths of the search that were not shortlisted, {refused} that are not feasible"
     );
+    print_certificates(result);
     for c in &result.candidates {
         if let Status::Marked { violations } = &c.status {
             say!("  `{}` breaks limits: {}", c.id, violations.join("; "));
         }
     }
+}
+
+/// How far the best path's figures can be trusted.
+fn print_certificates(result: &RunResult) {
+    let best = result.candidates.iter().find(|c| Some(&c.id) == result.verdict.best.as_ref());
+    let (Some(best), Some(certificate)) = (best, &result.certificate) else { return };
+    say!("\nHow far to trust `{}`", best.id);
+    if let Some(path) = &best.path {
+        let broken = path.checks.iter().filter(|c| !c.is_met()).count();
+        let kept = if broken == 0 { "all kept".to_owned() } else { format!("{broken} broken") };
+        say!(
+            "  limits         {} checks on a grid ten times finer than the path's: {kept}",
+            path.checks.len()
+        );
+    }
+    for b in &best.bodies {
+        say!(
+            "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {:.0} %; \
+             beyond the training data {:.0} % of the path",
+            b.body,
+            b.hand_residual_max_mm,
+            b.hand_residual_rms_mm,
+            b.hand_residual_max_deg,
+            100.0 * b.reach_exceeded,
+            100.0 * b.extrapolation_share
+        );
+    }
+    let c = certificate;
+    let difference = c.expected_rula_other_seed - c.expected_rula;
+    let verdict = if difference.abs() <= c.half_width95 { "within" } else { "beyond" };
+    say!(
+        "  another seed   {} other people: expected RULA {:.2} against {:.2}; {difference:+.3}, {verdict} the \
+         95 % interval of {:.3}",
+        c.people,
+        c.expected_rula_other_seed,
+        c.expected_rula,
+        c.half_width95
+    );
+    let searches: Vec<String> = result
+        .search
+        .iter()
+        .map(|s| format!("{} {} ({} refused)", s.name, s.paths, s.infeasible))
+        .collect();
+    say!("  paths tried    {}", searches.join(", "));
 }

@@ -148,13 +148,14 @@ impl Station {
             "schema = \"ergopath/scenario/1\"\nname = \"{}\"\ndescription = \"{}, drawn by ErgoBench\"\n\
              seed = {seed}\n\n[worker]\nbodies = [\"{body}\"]\nposture_model = \"{model}\"\nside = \"right\"\n\
              {stance}\nat_m = [0.0, 0.0]\nfacing_deg = 0\n\n[grip]\nrpy_deg = [180, 0, -90]\nhold = \"rigid\"\n\n\
-             [robot]\npreset = \"panda\"\nbase = {{ position_m = [0.85, 0.0, 0.75], rpy_deg = [0, 0, 180] }}\n\n\
+             [robot]\npreset = \"panda\"\nbase = {{ position_m = [0.85, 0.0, {}], rpy_deg = [0, 0, 180] }}\n\n\
              [start]\nposition_m = {start}\nrpy_deg = [180, 0, 0]\n\n[goal]\nposition_m = {goal}\n\
              rpy_deg = [180, 0, 0]\n\n[motion]\nduration_s = 4.0\n\n[workspace]\nmin_m = [0.22, -0.70, 0.25]\n\
              max_m = [0.80, 0.60, 1.75]\n\n[limits]\nspeed_m_s = 0.6\n\n[task]\npart_mass_kg = {}\n\
              human_load_share = 1.0\ncycles_per_min = 3\nhold_s = 0\ncoupling = \"good\"\n",
             self.name,
             self.family.name(),
+            self.base_height_m(),
             self.mass_kg,
         );
         for (name, centre, size) in self.obstacles() {
@@ -166,6 +167,16 @@ impl Station {
             );
         }
         text
+    }
+
+    /// Height of the robot's base, m: where it reaches both ends.
+    fn base_height_m(&self) -> f64 {
+        let low = self.ends[0].z.min(self.ends[1].z);
+        match self.family {
+            Family::Overhead => 1.0,
+            _ if low < 0.5 => 0.4,
+            _ => 0.75,
+        }
     }
 
     fn obstacles(&self) -> Vec<(&'static str, Vec3, Vec3)> {

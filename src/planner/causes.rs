@@ -1,11 +1,18 @@
 //! When every path is refused: the cause once, and the smallest change of each kind that would help.
 
+use super::evaluate::Person;
 use super::prepare::{Prepared, Workshop};
 use super::result::{CandidateResult, Status, Verdict};
-use crate::human::{reach_ball, reach_gap};
+use crate::human::{Stance, reach_ball, reach_gap};
 use crate::path::{Change, Reach, smallest_changes};
 use crate::scenario::Scenario;
 
+/// Start postures by which an end of the movement is tried.
+const TRIES: usize = 8;
+/// Height of the hand below which people bend their legs, m.
+const LOW_HAND_M: f64 = 0.55;
+const NEEDS_BENT_LEGS: &str =
+    "The low end needs bent legs: ergopath keeps them straight, so it cannot judge this station.";
 /// Distance below which a place counts as reached, m.
 const REACHED_M: f64 = 1e-3;
 
@@ -126,4 +133,28 @@ impl Workshop<'_> {
         };
         w.bodies.iter().filter_map(gap).collect()
     }
+}
+
+/// Which ends of the movement a body's hand does not get to, whatever else refused the paths.
+pub(super) fn unreached_ends(scenario: &Scenario, people: &[Person]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for person in people {
+        for (name, tcp) in [("start", &scenario.start), ("goal", &scenario.goal)] {
+            let reached = person.reaching(tcp, &scenario.nominal(), TRIES);
+            if 2 * reached < TRIES {
+                lines.push(format!(
+                    "The hand of body `{}` does not get to the {name} with the grip turned as asked ({} of \
+                     {TRIES} start postures fail).",
+                    person.name,
+                    TRIES - reached
+                ));
+            }
+        }
+    }
+    let lowest = scenario.start.translation.vector.z.min(scenario.goal.translation.vector.z);
+    let is_standing = matches!(scenario.worker.stance, Stance::Standing { .. });
+    if !lines.is_empty() && is_standing && lowest < LOW_HAND_M {
+        lines.push(NEEDS_BENT_LEGS.to_owned());
+    }
+    lines
 }

@@ -147,6 +147,16 @@ impl<'a> Person<'a> {
         Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
     }
 
+    /// How many of some start postures get the hand to a TCP pose.
+    pub(super) fn reaching(&self, tcp: &Pose, variant: &Variant, tries: usize) -> usize {
+        let w = &self.scenario.worker;
+        let hand = self.pelvis(variant).inverse() * tcp * variant.grip;
+        let postures = &w.model.postures;
+        let rule = StartRule::Sampled;
+        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..tries);
+        starts.iter().filter(|s| s.q.is_some()).count()
+    }
+
     fn walk_truly(
         &self,
         path: &TimedPath,

@@ -6,6 +6,7 @@ use super::result::{
     BodyScores, CandidateResult, Comparison, Evaluated, IfChanged, InputOrigin, ModelSummary,
     Setting, Status, Verdict,
 };
+use super::searches::WITHOUT;
 use crate::ergonomics::{paired_difference, rula_action_level, rula_action_words};
 use crate::human::Stance;
 use crate::posture::{Hold, StartRule};
@@ -89,11 +90,12 @@ pub(super) fn verdict(
         body.reba.p95,
     )];
     if best.id != "straight" {
-        lines.extend(against("straight", "the straight path", comparisons, &body.body));
+        lines.extend(against("straight", "the straight path", comparisons));
     }
     for own in candidates.iter().filter(|c| is_users(scenario, &c.id) && c.id != best.id) {
-        lines.extend(against(&own.id, &format!("your path `{}`", own.id), comparisons, &body.body));
+        lines.extend(against(&own.id, &format!("your path `{}`", own.id), comparisons));
     }
+    lines.extend(worth(scenario, &best.id, comparisons, &body.body));
     if best.bodies.len() > 1 {
         lines.push(format!("Figures are for the worst body, {}.", body.body));
     }
@@ -122,9 +124,37 @@ fn is_users(scenario: &Scenario, id: &str) -> bool {
     scenario.paths.iter().any(|p| p.name == id) || scenario.drawn.iter().any(|d| d.id == id)
 }
 
-fn against(id: &str, name: &str, comparisons: &[Comparison], body: &str) -> Option<String> {
-    let found = comparisons.iter().find(|c| c.other == id && c.body == body)?;
-    Some(found.rula.sentence("expected RULA", "this path", name))
+/// The best path against another: a sentence for each body.
+fn against(id: &str, name: &str, comparisons: &[Comparison]) -> Vec<String> {
+    let found: Vec<&Comparison> = comparisons.iter().filter(|c| c.other == id).collect();
+    let sentence = |c: &&Comparison| {
+        let text = c.rula.sentence("expected RULA", "this path", name);
+        if found.len() > 1 { format!("Body {}: {text}", c.body) } else { text }
+    };
+    found.iter().map(sentence).collect()
+}
+
+/// What each freedom is worth: the best path against the best that was found without it.
+fn worth(scenario: &Scenario, best: &str, comparisons: &[Comparison], body: &str) -> Vec<String> {
+    let of = |name: &str| {
+        let id = format!("{WITHOUT}{name}");
+        if id == best {
+            return Some(format!(
+                "Freedom of the {name}: worth nothing that this search has found."
+            ));
+        }
+        let found = comparisons.iter().find(|c| c.other == id && c.body == body)?;
+        let d = &found.rula;
+        Some(if d.clear {
+            format!(
+                "Freedom of the {name}: worth {:.2} of expected RULA (95 % interval {:.2} to {:.2}).",
+                -d.mean, -d.high95, -d.low95
+            )
+        } else {
+            format!("Freedom of the {name}: no clear difference ({:+.2}).", -d.mean)
+        })
+    };
+    scenario.free.names().into_iter().filter_map(of).collect()
 }
 
 fn caveat(scenario: &Scenario) -> Option<String> {

@@ -1,6 +1,6 @@
 //! How a scenario's task and worker enter the score sheets.
 
-use crate::ergonomics::{Profile, TaskInputs};
+use crate::ergonomics::TaskInputs;
 use crate::human::Stance;
 use crate::scenario::Scenario;
 use crate::survey::Lens;
@@ -26,6 +26,6 @@ pub(super) fn lens(scenario: &Scenario) -> Lens {
             arm_supported: w.arm_supported,
         },
         neck: w.neck,
-        profile: Profile::default(),
+        profile: scenario.score_profile,
     }
 }

@@ -1,5 +1,6 @@
 //! The stages in order: search, baselines, selection, report.
 
+use super::causes::unreached_ends;
 use super::evaluate::{Person, Walks};
 use super::explain::{
     comparisons, inputs, model_summary, not_modelled, setting, verdict, worst_index,
@@ -208,6 +209,7 @@ fn run(
     if verdict.best.is_none() {
         let refused: Vec<&Prepared> = chosen.iter().map(|f| &f.prepared).collect();
         workshop.explain(&refused, &mut verdict);
+        verdict.lines.extend(unreached_ends(scenario, &people));
     }
     Ok(RunResult {
         schema: RESULT_SCHEMA,

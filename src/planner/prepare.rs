@@ -117,11 +117,15 @@ impl<'a> Workshop<'a> {
         let is_moved = variant.base != s.robot.base || variant.start != s.start;
         let (robot, starts) = if is_moved {
             moved = self.robot_of(variant);
-            new_starts = start_postures(&moved, &variant.start, &self.follow).postures;
+            new_starts = start_postures(&moved, &variant.start, &self.follow);
             (&moved, &new_starts)
         } else {
-            (&s.robot, &self.robot_starts.postures)
+            (&s.robot, &self.robot_starts)
         };
+        if starts.postures.is_empty() {
+            return prepared.refused("robot", out_of_reach(starts));
+        }
+        let starts = &starts.postures;
         // A ball about a shoulder that has moved with the worker would be another one.
         let is_walked = variant.at_m != s.worker.at_m || variant.facing != s.worker.facing;
         let scene = Scene { reaches: if is_walked { &[] } else { &self.reaches }, ..self.scene() };
@@ -319,6 +323,16 @@ impl Prepared {
             moved_m: self.moved_m,
         })
     }
+}
+
+/// Why the robot cannot even start.
+fn out_of_reach(starts: &Starts) -> String {
+    format!(
+        "the start is out of the robot's reach (nearest {:.0} mm and {:.1} deg off); what would help: \
+         another place of the start or of the robot's base",
+        1e3 * starts.residual_m,
+        starts.residual_rad.to_degrees()
+    )
 }
 
 /// A joint whose limit is broken between the knots, as a controller would run them.

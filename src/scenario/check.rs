@@ -8,11 +8,13 @@ use super::paths::{UserPath, read_user_path};
 use super::source::Source;
 use super::task::Task;
 use super::worker::{Worker, resolve_worker};
-use crate::files::InputError;
+use crate::ergonomics::Profile;
+use crate::files::{InputError, suggest};
 use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, PathLimits, drawn};
 use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
+use toml::Spanned;
 
 /// A workstation, resolved.
 #[derive(Debug, Clone)]
@@ -27,6 +29,8 @@ pub struct Scenario {
     pub sha256: String,
     /// Seed of all randomness, unless the command line gives another.
     pub seed: u64,
+    /// Convention for what RULA and REBA leave open.
+    pub score_profile: Profile,
     /// Who works.
     pub worker: Worker,
     /// Pose of the grip in the TCP's frame.
@@ -74,6 +78,7 @@ pub(super) fn resolve(
     let (limits, assumed_limits) = resolve_limits(source, &file.limits, file.workspace.as_ref())?;
     let duration_s = source.number(&file.motion.duration_s, "motion.duration_s", 0.05, 600.0)?;
     let (start, goal) = (source.pose(&file.start, "start")?, source.pose(&file.goal, "goal")?);
+    let score_profile = resolve_profile(source, file.score_profile.as_ref())?;
     let free = resolve_free(source, &file.free, &start, &goal)?;
     let (mut paths, mut drawn_paths) = (Vec::new(), Vec::new());
     for entry in &file.path {
@@ -112,6 +117,7 @@ pub(super) fn resolve(
         file: source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         sha256,
         seed: file.seed,
+        score_profile,
         worker,
         grip,
         hold: file.grip.hold,
@@ -127,6 +133,17 @@ pub(super) fn resolve(
         drawn: drawn_paths,
         free,
         warnings,
+    })
+}
+
+fn resolve_profile(source: &Source, name: Option<&Spanned<String>>) -> Result<Profile, InputError> {
+    let Some(name) = name else { return Ok(Profile::default()) };
+    Profile::by_name(name.get_ref()).ok_or_else(|| {
+        let known = Profile::names();
+        let help = suggest(name.get_ref(), known.iter().copied())
+            .unwrap_or_else(|| format!("profiles: {}", known.join(", ")));
+        let message = format!("score_profile = \"{}\" is not known", name.get_ref());
+        source.error(name, message).remedy(help)
     })
 }
 

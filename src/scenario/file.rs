@@ -15,6 +15,7 @@ pub(super) struct ScenarioFile {
     pub description: String,
     #[serde(default)]
     pub seed: u64,
+    pub score_profile: Option<Spanned<String>>,
     pub worker: WorkerFile,
     pub grip: GripFile,
     pub robot: RobotFile,

@@ -199,7 +199,12 @@ fn muscle_use(tracks: &[ScoredTrack], declared: &Declared, origin: crate::scenar
         let most = PARTS.iter().zip(&t.parts).filter(|(part, _)| part.is_large);
         let changes = most.map(|(_, p)| p.rapid_changes).max().unwrap_or(0);
         let is = changes > 0 && changes as f64 * 60.0 >= t.observed_s;
-        if is { Shown::Yes } else { Shown::No }
+        // A plan does not claim it of one movement of a few seconds either.
+        match (t.observed_s < 60.0, is) {
+            (true, _) => Shown::TooShort,
+            (false, true) => Shown::Yes,
+            (false, false) => Shown::No,
+        }
     });
     Use {
         held: Answer::new(held, declared.hold_s.map(|h| h > 60.0), origin),

@@ -1,0 +1,43 @@
+//! `ergopath bench` from outside: one family of the quick subset, and the same bytes again.
+
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn bench(threads: &str, output: &std::path::Path) -> Command {
+    let mut command = Command::cargo_bin("ergopath").unwrap();
+    command.args(["bench", "--quick", "--families", "bench", "--seed", "7", "--repetitions", "64"]);
+    command.args(["--threads", threads, "-o"]).arg(output);
+    command
+}
+
+#[test]
+fn our_path_is_better_than_the_straight_one_under_the_truth() {
+    let room = tempfile::tempdir().unwrap();
+    let folders = ["1", "2"].map(|threads| {
+        let folder = room.path().join(threads);
+        bench(threads, &folder).assert().success();
+        folder
+    });
+    let [one, two] = folders.map(|f| std::fs::read_to_string(f.join("result.json")).unwrap());
+    assert!(one == two, "the result depends on the number of threads");
+    let result: Value = serde_json::from_str(&one).unwrap();
+    assert_eq!(result["simulated"], true);
+    let all = result["table"]["rows"].as_array().unwrap().last().unwrap();
+    let gain = all["gains"].as_array().unwrap().iter().find(|g| g[0] == "straight").unwrap();
+    assert!(gain[1]["low95"].as_f64().unwrap() > 0.0, "{gain}");
+    // The oracle knows more than we do.
+    let share = all["share_of_oracle"]["mean"].as_f64().unwrap();
+    assert!((0.3..1.1).contains(&share), "{share}");
+}
+
+#[test]
+fn a_misspelt_family_is_refused() {
+    Command::cargo_bin("ergopath")
+        .unwrap()
+        .args(["bench", "--families", "bnech"])
+        .assert()
+        .code(2)
+        .stderr(predicates::str::contains("bench"));
+}
