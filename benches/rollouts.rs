@@ -57,7 +57,7 @@ fn rollouts(c: &mut Criterion) {
     let hands = lift();
     let time: Vec<f64> = (0..=STEPS).map(|i| DT_S * i as f64).collect();
     let rule = StartRule::Sampled;
-    let starts = start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 8);
+    let starts = start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 0..8);
     let learned = with_process(&model.law, 1000);
 
     let mut group = c.benchmark_group("posture");
@@ -103,7 +103,7 @@ fn rollouts(c: &mut Criterion) {
         b.iter(|| process.mean(black_box(&x)));
     });
     group.bench_function("one start posture", |b| {
-        b.iter(|| start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 1));
+        b.iter(|| start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 0..1));
     });
     group.finish();
 }

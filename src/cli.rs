@@ -67,7 +67,7 @@ enum Command {
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
     Evaluate(Box<evaluate::Args>),
-    /// ErgoBench: judge the planner and its baselines by simulated people whose behaviour is known.
+    /// `ErgoBench`: judge the planner and its baselines by simulated people whose behaviour is known.
     Bench(bench::Args),
     /// Repeat the paper's experiments and our own on made-up data.
     Experiment(experiment::Args),

@@ -1,4 +1,4 @@
-//! ErgoBench: planners judged by people whose true behaviour is known.
+//! `ErgoBench`: planners judged by people whose true behaviour is known.
 //!
 //! Workstations of six families, bodies, and simulated people are drawn by seed. The planner knows a
 //! person only from demonstrations of *other* movements; every path is then walked by the person

@@ -1,4 +1,4 @@
-//! `ergopath bench`: ErgoBench, every planner judged by people whose true behaviour is known.
+//! `ergopath bench`: `ErgoBench`, every planner judged by people whose true behaviour is known.
 
 use super::plan::{failure, with_threads};
 use super::progress::Progress;

@@ -69,10 +69,8 @@ pub(super) struct Common {
 /// Plans a scenario.
 pub(super) fn plan(args: &PlanArgs) -> Result<Outcome, Failure> {
     let scenario = read_scenario(&args.scenario)?;
-    let resume = match args.resume {
-        true => Some(Checkpoint::read(&unfinished(&args.common.output))?),
-        false => None,
-    };
+    let resume =
+        if args.resume { Some(Checkpoint::read(&unfinished(&args.common.output))?) } else { None };
     run("plan", &scenario, &args.common, resume, planner::plan)
 }
 

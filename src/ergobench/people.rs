@@ -123,7 +123,7 @@ impl Behaviour for TruePerson {
             let repetition = first + i;
             let mut rng = stream(seed, Purpose::Posture, CHANCE + block, repetition as u32);
             let habit = self.habit(repetition);
-            let is_one = std::ptr::eq(habit, &self.one);
+            let is_one = std::ptr::eq(habit, &raw const self.one);
             let path = if is_one { &one } else { &other };
             match self.kind {
                 Kind::InClass | Kind::TwoHabits => {

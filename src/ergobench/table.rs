@@ -27,7 +27,7 @@ pub struct Row {
     pub cells: (usize, usize),
     /// Mean expected RULA of each planner.
     pub expected: Vec<(String, f64)>,
-    /// Mean CVaR90 of RULA of each planner.
+    /// Mean `CVaR90` of RULA of each planner.
     pub cvar90: Vec<(String, f64)>,
     /// Gain of ours over each other planner.
     pub gains: Vec<(String, Gain)>,

@@ -131,14 +131,14 @@ impl Cma {
         self.path_sigma *= 1.0 - r.c_sigma;
         self.path_sigma += white * (r.c_sigma * (2.0 - r.c_sigma) * r.mu_eff).sqrt();
         let length = self.path_sigma.norm();
-        let decayed = 1.0 - (1.0 - r.c_sigma).powi(2 * self.generation as i32);
+        let decayed = 1.0 - (1.0 - r.c_sigma).powf(2.0 * self.generation as f64);
         let is_stalled = length / decayed.sqrt() / r.chi >= 1.4 + 2.0 / (n + 1.0);
         self.path_c *= 1.0 - r.c_c;
-        if !is_stalled {
-            self.path_c += step * (r.c_c * (2.0 - r.c_c) * r.mu_eff).sqrt();
-        } else {
+        if is_stalled {
             // The missing variance of a path that was held back.
             self.covariance *= 1.0 + r.c_1 * r.c_c * (2.0 - r.c_c);
+        } else {
+            self.path_c += step * (r.c_c * (2.0 - r.c_c) * r.mu_eff).sqrt();
         }
         self.sigma *= ((r.c_sigma / r.d_sigma) * (length / r.chi - 1.0)).exp();
     }

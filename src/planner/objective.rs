@@ -92,7 +92,7 @@ impl Figures {
 /// Root mean square joint speed, rad/s.
 fn effort(q: &[nalgebra::DVector<f64>], dt: f64) -> f64 {
     let squares = q.windows(2).map(|w| (&w[1] - &w[0]).norm_squared()).sum::<f64>();
-    let count = q.first().map_or(1, |q| q.len()) * q.len().saturating_sub(1).max(1);
+    let count = q.first().map_or(1, nalgebra::Matrix::len) * q.len().saturating_sub(1).max(1);
     (squares / count as f64).sqrt() / dt
 }
 

@@ -116,7 +116,7 @@ impl<'a> Space<'a> {
     /// What an expert would draw: the middle of the path at elbow height, a hand's breadth nearer.
     fn expert_offset(&self) -> Vec3 {
         let s = self.scenario;
-        let middle = (s.start.translation.vector.z + s.goal.translation.vector.z) / 2.0;
+        let middle = f64::midpoint(s.start.translation.vector.z, s.goal.translation.vector.z);
         let bodies = &s.worker.bodies;
         let elbow = |b: &crate::human::Body| {
             // Seated, the elbow comes down with the pelvis.

@@ -173,6 +173,9 @@ fn rolled(tcp: &Pose, grip: &Pose, angle: f64) -> Pose {
     tcp * grip * about_z(angle) * grip.inverse()
 }
 
+/// The freedom along an axis.
+type OfAxis = fn(usize) -> Freedom;
+
 /// Reads and checks `[free]`.
 pub(super) fn resolve_free(
     source: &Source,
@@ -193,8 +196,7 @@ pub(super) fn resolve_free(
             free.all.push((freedom, [0.0, list.len() as f64 - 1e-9]));
         }
     }
-    type Axis = fn(usize) -> Freedom;
-    let boxes: [(&Option<[f64; 3]>, Axis, &str, f64); 3] = [
+    let boxes: [(&Option<[f64; 3]>, OfAxis, &str, f64); 3] = [
         (&file.start_box_m, Freedom::StartOffset, "free.start_box_m", 2.0),
         (&file.goal_box_m, Freedom::GoalOffset, "free.goal_box_m", 2.0),
         (&file.robot_base_m, Freedom::BaseOffset, "free.robot_base_m", 5.0),

@@ -1,4 +1,4 @@
-//! The designer's own paths: TCP poses or joint angles over time, from CSV, or a ROS JointTrajectory.
+//! The designer's own paths: TCP poses or joint angles over time, from CSV, or a ROS `JointTrajectory`.
 //!
 //! Columns `time_s, x_m, y_m, z_m, qw, qx, qy, qz` (TCP in the world), or `time_s` and the robot's
 //! joint names, with or without the ending `_rad`. Other columns are ignored when the TCP columns are
@@ -69,7 +69,7 @@ pub fn read_user_path(name: &str, file: &Path, robot: &Robot) -> Result<UserPath
     Ok(UserPath { name: name.to_owned(), path, joints, sha256 })
 }
 
-/// A ROS JointTrajectory, as JSON or YAML.
+/// A ROS `JointTrajectory`, as JSON or YAML.
 fn read_trajectory(
     name: &str,
     file: &Path,

@@ -94,7 +94,7 @@ impl WholeSurveyor {
             names.iter().filter_map(|n| parts.skeleton.column(n)).collect()
         };
         let chains = [columns(&chain_names[0]), columns(&chain_names[1])];
-        Ok(Self { parts, legs, spine, chains, chain_names })
+        Ok(Self { parts, legs, chains, spine, chain_names })
     }
 
     /// Number of joint angles.
