@@ -117,11 +117,14 @@ struct ArmSegments {
     upper: Segment,
     fore: Segment,
     hand: Segment,
+    /// Distance of the shoulder joint from the mid-sagittal plane at zero angles, m.
+    shoulder_lateral_m: f64,
 }
 
 impl Measured {
     fn new(body: &Body, side: Side, with_legs: bool) -> Result<Self, InputError> {
         let skeleton = Skeleton::new(body, side, with_legs)?;
+        let still = skeleton.pose(&vec![0.0; skeleton.dof()]);
         let arms = [side, side.other()].map(|side| {
             let of = |part: &str| skeleton.segment(&format!("{}{part}", side.prefix()));
             ArmSegments {
@@ -130,6 +133,10 @@ impl Measured {
                 upper: of("UpperArm"),
                 fore: of("ForeArm"),
                 hand: of("Hand"),
+                shoulder_lateral_m: {
+                    let from = still.at(skeleton.segment("Neck")).translation.vector;
+                    (still.at(of("UpperArm")).translation.vector - from).z.abs()
+                },
             }
         });
         let of = |name: &str| skeleton.segment(name);
@@ -232,19 +239,13 @@ fn measure_arm(
     segments: ArmSegments,
     body: &BodyPose,
 ) -> ArmAngles {
-    arm_angles(body, &arm_pose(posed, pelvis, segments, body))
+    arm_angles(body, &arm_pose(posed, pelvis, segments))
 }
 
-fn arm_pose(
-    posed: &PosedSkeleton,
-    pelvis: &Pose,
-    segments: ArmSegments,
-    body: &BodyPose,
-) -> ArmPose {
+fn arm_pose(posed: &PosedSkeleton, pelvis: &Pose, segments: ArmSegments) -> ArmPose {
     let at = |segment: Segment| pelvis * posed.at(segment);
     let (girdle, upper) = (at(segments.girdle), at(segments.upper));
     let (fore, hand) = (at(segments.fore), at(segments.hand));
-    let lateral = body.thorax.inverse() * (upper.translation.vector - body.c7t1);
     ArmPose {
         side: match segments.side {
             Side::Right => ScoreSide::Right,
@@ -259,7 +260,7 @@ fn arm_pose(
         sternoclavicular: girdle.translation.vector,
         // The clavicle of our bodies is level at zero.
         girdle_neutral_deg: 0.0,
-        shoulder_lateral_m: lateral.z.abs(),
+        shoulder_lateral_m: segments.shoulder_lateral_m,
     }
 }
 

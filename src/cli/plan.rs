@@ -46,7 +46,7 @@ pub(super) struct Common {
     /// Seed of all randomness; without it the scenario's, else 0.
     #[arg(long)]
     seed: Option<u64>,
-    /// Planner: default, quick, careful, or a TOML file.
+    /// Planner: default, quick, careful, tail, `whole_body`, or a TOML file.
     #[arg(long, default_value = "default", value_name = "NAME|FILE")]
     planner: String,
     /// Number of threads; results do not depend on it.

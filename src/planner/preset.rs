@@ -9,6 +9,8 @@ const SHIPPED: &[(&str, &str)] = &[
     ("default", include_str!("../../planners/default.toml")),
     ("quick", include_str!("../../planners/quick.toml")),
     ("careful", include_str!("../../planners/careful.toml")),
+    ("tail", include_str!("../../planners/tail.toml")),
+    ("whole_body", include_str!("../../planners/whole_body.toml")),
 ];
 
 /// A planner's settings.

@@ -9,8 +9,8 @@
 
 use super::{ArmSegments, Lens, NeckRule, Sight, Surveyor, rotation, whole_posture};
 use crate::ergonomics::{
-    ArmPose, ArmRates, BodyPose, BodyRates, arm_angles, arm_rates, smooth_reba, smooth_rula,
-    trunk_neck_angles, trunk_neck_rates,
+    ArmRates, BodyRates, arm_angles, arm_rates, smooth_reba, smooth_rula, trunk_neck_angles,
+    trunk_neck_rates,
 };
 use crate::human::{PosedSkeleton, Segment};
 use crate::math::Vec3;
@@ -56,7 +56,7 @@ impl Surveyor {
         if lens.neck == NeckRule::Gaze {
             body.head = sight.head();
         }
-        let arm = super::arm_pose(&posed, &self.pelvis, coupled, &body);
+        let arm = super::arm_pose(&posed, &self.pelvis, coupled);
         let angles = (trunk_neck_angles(&body), arm_angles(&body, &arm));
         let (task, profile) = (&lens.task, &lens.profile);
         let rula = smooth_rula(&angles.0, &angles.1, task, profile, width_deg);
@@ -70,8 +70,7 @@ impl Surveyor {
             reba_per_rad: DVector::zeros(q.len()),
         };
         for j in 0..q.len() {
-            let (mut body_rates, mut rates) = motion.rates(j);
-            rates.shoulder_lateral_m = shoulder_lateral_rate(&body, &arm, &body_rates, &rates);
+            let (mut body_rates, rates) = motion.rates(j);
             if lens.neck == NeckRule::Gaze {
                 body_rates.head = sight.spin(&motion, j);
             }
@@ -108,20 +107,6 @@ impl Surveyor {
     }
 }
 
-/// Rate of the shoulder's distance from the mid-sagittal plane, which the surveyor measures anew in each
-/// posture, m/s.
-fn shoulder_lateral_rate(
-    body: &BodyPose,
-    arm: &ArmPose,
-    body_rates: &BodyRates,
-    rates: &ArmRates,
-) -> f64 {
-    let across = body.thorax * Vec3::z();
-    let reach = arm.shoulder - body.c7t1;
-    let relative = rates.shoulder - body_rates.c7t1 - body_rates.thorax.cross(&reach);
-    across.dot(&relative) * across.dot(&reach).signum()
-}
-
 /// Velocity of a segment's origin where joint j moves at 1 rad/s.
 fn velocity(jacobian: &Matrix6xX<f64>, j: usize) -> Vec3 {
     jacobian.fixed_view::<3, 1>(0, j).into_owned()
@@ -150,7 +135,8 @@ impl Motion {
             elbow: velocity(&self.fore, j),
             wrist: velocity(&self.hand, j),
             sternoclavicular: velocity(&self.girdle, j),
-            shoulder_lateral_m: 0.0, // needs the posture
+            // A number of the body.
+            shoulder_lateral_m: 0.0,
         };
         (body, arm)
     }
