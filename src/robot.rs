@@ -29,7 +29,7 @@ pub use check::{
     Extreme, LimitKind, PathCheck, PathError, RobotMotion, Violation, check_joint_path,
 };
 pub use clearance::Obstacle;
-pub use description::{Limits, Robot};
+pub use description::{Brake, Limits, Robot};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
 pub use joint_trajectory::{
     Duration, Header, JointMargin, JointTrajectory, Point, TrajectoryFault,

@@ -194,7 +194,12 @@ impl Arm<'_> {
             for (i, g) in rates.iter().enumerate() {
                 let limits = &self.robot.limits;
                 let kinds = [
-                    (Order::Velocity, traced.qd[k][i], limits.velocity[i], path.velocity[k]),
+                    (
+                        Order::Velocity,
+                        traced.qd[k][i],
+                        limits.velocity_at(i, traced.q[k][i], traced.qd[k][i]),
+                        path.velocity[k],
+                    ),
                     (
                         Order::Acceleration,
                         traced.qdd[k][i],
@@ -313,9 +318,11 @@ impl Traced {
     /// Largest share of a limit at a knot.
     fn share(&self, robot: &Robot, k: usize) -> f64 {
         let limits = &robot.limits;
-        let speed = self.qd[k].iter().zip(&limits.velocity);
-        let acceleration = self.qdd[k].iter().zip(&limits.acceleration);
-        speed.chain(acceleration).map(|(v, l)| v.abs() / l).fold(0.0, f64::max)
+        let at = |i: usize| limits.velocity_at(i, self.q[k][i], self.qd[k][i]);
+        let speed = self.qd[k].iter().enumerate().map(|(i, v)| v.abs() / at(i));
+        let acceleration = self.qdd[k].iter().zip(&limits.acceleration).map(|(a, l)| a.abs() / l);
+        // Still at the very end of the range: 0 of 0.
+        speed.chain(acceleration).filter(|s| !s.is_nan()).fold(0.0, f64::max)
     }
 
     /// Towards a pose out of reach, and where the TCP is instead.

@@ -60,7 +60,7 @@ pub fn between(
                 let ends = [q[k][i], q[k + 1][i], rates[i][k], rates[i][k + 1]];
                 let [at, rate, bend] = hermite(ends, h, s);
                 posture[i] = at;
-                note(&mut speed, i, t, rate.abs() / limits.velocity[i]);
+                note(&mut speed, i, t, rate.abs() / limits.velocity_at(i, at, rate));
                 note(&mut acceleration, i, t, bend.abs() / limits.acceleration[i]);
                 note(&mut range, i, t, (limits.lower[i] - at).max(at - limits.upper[i]));
             }

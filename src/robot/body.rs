@@ -231,7 +231,11 @@ mod tests {
             assert!(capsules.iter().all(|c| c.a != c.b && (0.02..0.1).contains(&c.radius)));
             assert!(capsules.iter().any(|c| !c.is_moving), "the base stands still");
             // The UR's links run beside the line of joint origins, by up to 0.14 m.
-            let limit = if name == "panda" { 0.04 } else { 0.1 };
+            let limit = match name {
+                "panda" | "fr3" => 0.04,
+                "ur10e" => 0.14,
+                _ => 0.1,
+            };
             for p in &points {
                 let far = capsules
                     .iter()

@@ -231,7 +231,8 @@ pub(super) fn assess(robot: &Robot, time_s: &[f64], q: Vec<Vec<f64>>) -> PathChe
             let Some(next) = q.get(k + 1).map(|p| p[i]) else { continue };
             let h = time_s[k + 1] - t;
             let v = (next - at) / h;
-            speed.note(i, v.abs() / limits.velocity[i], t + 0.5 * h, v.abs(), limits.velocity[i]);
+            let most = limits.velocity_at(i, 0.5 * (at + next), v);
+            speed.note(i, v.abs() / most, t + 0.5 * h, v.abs(), most);
             if k > 0 {
                 let h0 = t - time_s[k - 1];
                 let a = ((v - (at - q[k - 1][i]) / h0) / (0.5 * (h + h0))).abs();

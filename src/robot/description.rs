@@ -28,9 +28,34 @@ pub struct Limits {
     pub velocity_assumed: Vec<bool>,
     /// Where the acceleration limit is a stand-in.
     pub acceleration_assumed: Vec<bool>,
+    /// How the speed falls towards the ends of the range, for joints whose maker says so.
+    pub brakes: Vec<Option<Brake>>,
+}
+
+/// A speed limit that depends on the position, so that the joint can still stop before its end:
+/// `|v| <= max(0, -offset + sqrt(c (end - q)))` towards an end, and never above the joint's own limit
+/// (libfranka, `rate_limiting.h` of the Franka Research 3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Brake {
+    /// rad/s.
+    pub offset: f64,
+    /// c: twice the deceleration, rad/s^2.
+    pub c: f64,
+    /// Upper end, rad.
+    pub upper: f64,
+    /// Lower end, rad.
+    pub lower: f64,
 }
 
 impl Limits {
+    /// Largest speed of a joint at a position, in the direction of `rate`; rad/s or m/s.
+    pub fn velocity_at(&self, joint: usize, at: f64, rate: f64) -> f64 {
+        let most = self.velocity[joint];
+        let Some(brake) = &self.brakes[joint] else { return most };
+        let way = if rate >= 0.0 { brake.upper - at } else { at - brake.lower };
+        most.min((-brake.offset + (brake.c * way).max(0.0).sqrt()).max(0.0))
+    }
+
     /// Middle of the position range; `None` for a joint without end.
     pub fn middle(&self, joint: usize) -> Option<f64> {
         let middle = 0.5 * (self.lower[joint] + self.upper[joint]);
@@ -227,6 +252,7 @@ fn limits_of(linkage: &Linkage) -> Limits {
         acceleration: joints.iter().map(|j| pick(STAND_IN_ACCELERATION, j.is_prismatic)).collect(),
         velocity_assumed: joints.iter().map(|j| !j.velocity.is_finite()).collect(),
         acceleration_assumed: vec![true; joints.len()],
+        brakes: vec![None; joints.len()],
     }
 }
 

@@ -174,7 +174,9 @@ impl JointTrajectory {
                         let [q, v, a] =
                             quintic(&pair[0], &pair[1], column, look as f64 / FINER as f64)?;
                         (low, high) = (low.min(q), high.max(q));
-                        speed = speed.max(v.abs());
+                        let most = limits.velocity_at(i, q, v);
+                        let share = if v == 0.0 { 0.0 } else { v.abs() / most };
+                        speed = speed.max(share);
                         acceleration = acceleration.max(a.abs());
                     }
                 }
@@ -185,7 +187,7 @@ impl JointTrajectory {
                 Some(JointMargin {
                     joint: joint.to_owned(),
                     position_margin: margin.is_finite().then_some(margin),
-                    velocity_share: share(speed, limits.velocity[i]),
+                    velocity_share: (limits.velocity[i].is_finite()).then_some(speed),
                     acceleration_share: share(acceleration, limits.acceleration[i]),
                 })
             })

@@ -1,12 +1,12 @@
 //! The robots that ship with ergopath: URDF for kinematics and shape, TOML for the rest.
 
-use super::description::Robot;
+use super::description::{Brake, Robot};
 use crate::files::{InputError, parse_toml, suggest};
 use serde::Deserialize;
 use std::path::Path;
 
 /// Names that [`Robot::preset`] knows.
-pub const PRESETS: [&str; 2] = ["panda", "ur5e"];
+pub const PRESETS: [&str; 4] = ["panda", "fr3", "ur5e", "ur10e"];
 const SCHEMA: &str = "ergopath/robot/1";
 
 /// The TOML beside a preset's URDF.
@@ -19,9 +19,21 @@ struct Extra {
     tcp: String,
     acceleration_rad_s2: Vec<f64>,
     acceleration_assumed: bool,
+    #[serde(default)]
+    brake: Vec<BrakeRow>,
     home_rad: Vec<f64>,
     assumed: Vec<String>,
     sources: Vec<String>,
+}
+
+/// Position-dependent speed of one joint, in the order of the joints.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BrakeRow {
+    offset_rad_s: f64,
+    c_rad_s2: f64,
+    lower_rad: f64,
+    upper_rad: f64,
 }
 
 /// The preset with this name.
@@ -30,6 +42,14 @@ pub(super) fn load(name: &str) -> Result<Robot, InputError> {
         "panda" => (
             include_str!("../../models/robot/panda.urdf"),
             include_str!("../../models/robot/panda.toml"),
+        ),
+        "fr3" => (
+            include_str!("../../models/robot/fr3.urdf"),
+            include_str!("../../models/robot/fr3.toml"),
+        ),
+        "ur10e" => (
+            include_str!("../../models/robot/ur10e.urdf"),
+            include_str!("../../models/robot/ur10e.toml"),
         ),
         "ur5e" => (
             include_str!("../../models/robot/ur5e.urdf"),
@@ -64,6 +84,17 @@ fn complete(mut robot: Robot, extra: Extra, path: &Path) -> Result<Robot, InputE
     let limits = robot.limits.lower.iter().zip(&robot.limits.upper);
     if extra.home_rad.iter().zip(limits).any(|(q, (l, u))| !(l..=u).contains(&q)) {
         return Err(InputError::new(path, "home_rad is outside the joint limits"));
+    }
+    if !extra.brake.is_empty() {
+        if extra.brake.len() != n {
+            let message = format!("brake needs {n} rows, one a joint, or none");
+            return Err(InputError::new(path, message));
+        }
+        let brake = |b: &BrakeRow| {
+            let (offset, c) = (b.offset_rad_s, b.c_rad_s2);
+            Some(Brake { offset, c, upper: b.upper_rad, lower: b.lower_rad })
+        };
+        robot.limits.brakes = extra.brake.iter().map(brake).collect();
     }
     robot.name = extra.name;
     robot.home = extra.home_rad;
@@ -119,6 +150,24 @@ mod tests {
     }
 
     /// Standard convention: `Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`, under ROS's forward `base_link`.
+    fn ur_by_table(table: [(f64, f64, f64); 6], q: &[f64]) -> Matrix4<f64> {
+        table.iter().zip(q).fold(rot_z(PI), |t, (&(a, d, alpha), &q)| {
+            t * rot_z(q) * shift(0.0, d) * shift(a, 0.0) * rot_x(alpha)
+        })
+    }
+
+    fn ur10e_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.0, 0.1807, FRAC_PI_2),
+            (-0.6127, 0.0, 0.0),
+            (-0.57155, 0.0, 0.0),
+            (0.0, 0.17415, FRAC_PI_2),
+            (0.0, 0.11985, -FRAC_PI_2),
+            (0.0, 0.11655, 0.0),
+        ];
+        ur_by_table(table, q)
+    }
+
     fn ur5e_by_table(q: &[f64]) -> Matrix4<f64> {
         let table = [
             (0.0, 0.1625, FRAC_PI_2),
@@ -128,9 +177,7 @@ mod tests {
             (0.0, 0.0997, -FRAC_PI_2),
             (0.0, 0.0996, 0.0),
         ];
-        table.iter().zip(q).fold(rot_z(PI), |t, (&(a, d, alpha), &q)| {
-            t * rot_z(q) * shift(0.0, d) * shift(a, 0.0) * rot_x(alpha)
-        })
+        ur_by_table(table, q)
     }
 
     fn difference(own: &Pose, other: &Matrix4<f64>) -> f64 {
@@ -150,7 +197,12 @@ mod tests {
     #[test]
     fn kinematics_follow_the_published_tables() {
         type Table = fn(&[f64]) -> Matrix4<f64>;
-        for (name, table) in [("panda", panda_by_table as Table), ("ur5e", ur5e_by_table)] {
+        for (name, table) in [
+            ("panda", panda_by_table as Table),
+            ("fr3", panda_by_table),
+            ("ur5e", ur5e_by_table),
+            ("ur10e", ur10e_by_table),
+        ] {
             let robot = Robot::preset(name).unwrap();
             for q in postures(&robot) {
                 let far = difference(&tcp_pose(&robot, &q), &table(&q));
@@ -188,6 +240,19 @@ mod tests {
         for (own, theirs) in robot.linkage.joints().iter().zip(other.joints()) {
             assert_eq!(own, theirs);
         }
+    }
+
+    #[test]
+    fn the_fr3_slows_down_towards_its_ends() {
+        let robot = Robot::preset("fr3").unwrap();
+        let l = &robot.limits;
+        // In the middle the plain limit, near an end what libfranka's formula gives, outward only.
+        assert_eq!(l.velocity_at(1, 0.0, 1.0), 2.62);
+        let near = 1.7;
+        let by_hand = -0.20 + (5.17f64 * (1.79180 - near)).sqrt();
+        assert!((l.velocity_at(1, near, 1.0) - by_hand).abs() < 1e-12 && by_hand < 0.5);
+        assert_eq!(l.velocity_at(1, near, -1.0), 2.62);
+        assert_eq!(l.velocity_at(1, 1.7918, 1.0), 0.0);
     }
 
     #[test]
