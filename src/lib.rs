@@ -16,12 +16,15 @@
 //!
 //! plan:   scenario file ─ scenario             ─► Scenario           (worker, robot, task, limits)
 //!         ─ path::candidate                    ─► Vec<Candidate>     (via-points -> TCP paths)
-//!         ─ path::project (qp)                 ─► SmoothPath | why not
+//!         ─ path::project_for_arm (qp, robot)  ─► SmoothPath | why not
 //!         ─ robot                              ─► RobotMotion | why not
 //!         ─ posture::roll_out                  ─► Rollout            (sampled postures over time)
 //!         ─ survey (human), ergonomics         ─► BodyScores         (RULA, REBA as distributions)
 //!         ─ planner                            ─► RunResult          (ranked, compared, explained)
 //!         ─ report                             ─► result.json, CSV, PNG, report.html
+//!
+//! score:  worksheets, recording or rollouts ─ scoring (survey, ergonomics) ─► sheets and sums
+//! bench:  ergobench draws stations and people, trains, plans, and judges by the people's truth
 //! ```
 //!
 //! # Conventions

@@ -1,10 +1,11 @@
 //! The pipeline from a scenario to ranked, explained paths.
 //!
 //! ```text
-//! candidates ─ prepare (QP, robot, obstacles) ─► feasible paths | why not
-//!            ─ evaluate on the search block   ─► shortlist
-//!            ─ evaluate on a fresh block      ─► rank
-//!            ─ evaluate on one more block     ─► the figures that are reported
+//! space      white numbers              ─► via-points, and start, goal, base ... where they are free
+//! prepare    QP, robot, obstacles       ─► feasible path | why not, and what would help (causes)
+//! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
+//! finalists  the best on fresh people by successive halving, every baseline, the user's own
+//! pipeline   one more block of people   ─► the figures that are reported
 //! ```
 //! All paths meet the same people: the randomness of a rollout depends on (seed, block, rollout),
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
