@@ -178,7 +178,6 @@ fn named_paths(ours: &RunResult, oracle: &RunResult) -> Vec<(String, TimedPath, 
             add(id, c);
         }
     }
-    // Where the straight path is feasible it is the shortest too.
     if let Some(best) = reported(oracle).iter().find(|c| !baselines.contains(&c.id.as_str())) {
         add("oracle", best);
     }

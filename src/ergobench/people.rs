@@ -184,7 +184,6 @@ impl TruePerson {
         rng: &mut ChaCha8Rng,
     ) -> Rollout {
         let mut walk = HistoryWalk::new(self, coupling, start);
-        let n = walk.q.len();
         let mut q = vec![walk.q.clone()];
         let mut lost = start.q.is_none().then_some(0);
         let (mut largest, mut squares) = (0.0f64, 0.0);
@@ -210,7 +209,6 @@ impl TruePerson {
             }
             q.push(walk.q.clone());
         }
-        debug_assert_eq!(n, walk.q.len());
         let reached = lost.unwrap_or(path.len()).max(1) as f64;
         Rollout {
             q,
