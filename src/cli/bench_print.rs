@@ -16,9 +16,8 @@ pub(super) fn print(question: &Question, cells: &[Cell], table: &Table) {
         question.repetitions,
         question.demonstrations
     );
-    let planners: Vec<&str> = table
-        .all()
-        .map_or_else(Vec::new, |r| r.expected.iter().map(|e| e.0.as_str()).collect());
+    let planners: Vec<&str> =
+        table.all().map_or_else(Vec::new, |r| r.expected.iter().map(|e| e.0.as_str()).collect());
     say!("\nExpected RULA under the truth (means over cells)");
     scores(table, &planners, |r| &r.expected);
     say!("\nCVaR90: mean RULA of the worst tenth of repetitions under the truth");

@@ -96,11 +96,8 @@ fn draw(sheet: &Sheet, panel: &ForestPanel, on: &Panel) -> Drawn {
             sheet.text("no value", (0.5 * (on.x_px.0 + on.x_px.1), at), muted, Anchor::Middle)?;
             continue;
         };
-        let pen = Pen {
-            color: BLUE,
-            width: if row.is_total { 4.0 } else { 2.5 },
-            stroke: Stroke::Solid,
-        };
+        let pen =
+            Pen { color: BLUE, width: if row.is_total { 4.0 } else { 2.5 }, stroke: Stroke::Solid };
         sheet.line(&[on.at(low, y), on.at(high, y)], pen)?;
         for end in [low, high] {
             let (x, y) = on.at(end, y);
