@@ -14,6 +14,7 @@
 mod causes;
 mod evaluate;
 mod explain;
+mod filming;
 mod finalists;
 mod lens;
 mod objective;
@@ -22,6 +23,7 @@ mod prepare;
 mod preset;
 mod result;
 mod resume;
+mod scene;
 mod search;
 mod searches;
 mod space;
@@ -31,4 +33,5 @@ pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, p
 pub use preset::{Objective, Preset, load_preset, preset_names};
 pub use result::*;
 pub use resume::Checkpoint;
+pub use scene::*;
 pub use search::{SearchState, Tried};
