@@ -6,21 +6,23 @@ use super::preset::Preset;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
 };
+use crate::files::null_as_nan;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
 use crate::scenario::{Origin, Task};
 use nalgebra::DVector;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Schema id and version of `result.json`.
 pub const RESULT_SCHEMA: &str = "ergopath/result/1";
 
 /// A finished run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunResult {
     /// [`RESULT_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Where it comes from.
     pub provenance: RunProvenance,
     /// The decision in words.
@@ -53,7 +55,7 @@ pub struct RunResult {
 }
 
 /// One search of a run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SearchSummary {
     /// Its name.
     pub name: String,
@@ -64,13 +66,16 @@ pub struct SearchSummary {
 }
 
 /// The best path among people that another seed draws (worst body).
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Certificate {
     /// Expected RULA among the reported people.
+    #[serde(deserialize_with = "null_as_nan")]
     pub expected_rula: f64,
     /// Expected RULA among as many people of the next seed.
+    #[serde(deserialize_with = "null_as_nan")]
     pub expected_rula_other_seed: f64,
     /// Half width of the 95 % interval of their difference.
+    #[serde(deserialize_with = "null_as_nan")]
     pub half_width95: f64,
     /// People of each.
     pub people: usize,
@@ -92,10 +97,10 @@ pub struct RolloutTable {
 }
 
 /// How to make the run again.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunProvenance {
     /// Version of ergopath.
-    pub program_version: &'static str,
+    pub program_version: Cow<'static, str>,
     /// The canonical command.
     pub command: String,
     /// Seed of all randomness.
@@ -107,7 +112,7 @@ pub struct RunProvenance {
 }
 
 /// The decision.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Verdict {
     /// One sentence.
     pub headline: String,
@@ -116,14 +121,14 @@ pub struct Verdict {
     /// Id of the best feasible path, if there is one.
     pub best: Option<String>,
     /// Where no path is feasible: the smallest change of each kind that would help, alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// "demonstration model, not your workers", when that applies.
     pub caveat: Option<String>,
 }
 
 /// One path.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CandidateResult {
     /// 1 is best; none for a path that is not feasible.
     pub rank: Option<usize>,
@@ -136,7 +141,7 @@ pub struct CandidateResult {
     /// Stage up to which it was evaluated.
     pub evaluated: Evaluated,
     /// What would make a path that is not feasible possible, each alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
@@ -151,7 +156,7 @@ pub struct CandidateResult {
 }
 
 /// Whether a path can be used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Status {
     /// All limits are kept.
@@ -171,7 +176,7 @@ pub enum Status {
 }
 
 /// How far a path came.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evaluated {
     /// Refused before any rollout.
@@ -183,7 +188,7 @@ pub enum Evaluated {
 }
 
 /// Scores of one body along one path.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BodyScores {
     /// Name of the body.
     pub body: String,
@@ -210,6 +215,7 @@ pub struct BodyScores {
     /// Largest distance of the hand from the path over all rollouts, mm.
     pub hand_residual_max_mm: f64,
     /// Root mean square of that distance, mm.
+    #[serde(deserialize_with = "null_as_nan")]
     pub hand_residual_rms_mm: f64,
     /// Largest angle between hand and path, deg.
     pub hand_residual_max_deg: f64,
@@ -218,6 +224,7 @@ pub struct BodyScores {
     /// Share of start postures beyond the 99 % quantile of the training postures.
     pub unusual_starts: f64,
     /// Mean Mahalanobis distance of the start postures.
+    #[serde(deserialize_with = "null_as_nan")]
     pub start_distance: f64,
     /// The steps of RULA over people and time.
     pub parts: Vec<PartScore>,
@@ -226,10 +233,10 @@ pub struct BodyScores {
 }
 
 /// One body part's share in the score.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PartScore {
     /// Name of the step.
-    pub part: &'static str,
+    pub part: Cow<'static, str>,
     /// Mean step score.
     pub mean: f64,
     /// Drop of the expected total if this step alone were at its lowest.
@@ -241,7 +248,7 @@ pub struct PartScore {
 }
 
 /// A path over time.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PathData {
     /// Times, s.
     pub time_s: Vec<f64>,
@@ -267,7 +274,7 @@ pub struct PathData {
 }
 
 /// The mean posture and the robot at one moment, as line segments in the world, m.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PosePicture {
     /// Body.
     pub body: String,
@@ -280,7 +287,7 @@ pub struct PosePicture {
 }
 
 /// The best path against another, paired over people.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Comparison {
     /// Id of the best path.
     pub best: String,
@@ -295,7 +302,7 @@ pub struct Comparison {
 }
 
 /// One input of the scores.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InputOrigin {
     /// What.
     pub input: String,
@@ -308,7 +315,7 @@ pub struct InputOrigin {
 }
 
 /// Sensitivity to an assumed input.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IfChanged {
     /// The other value.
     pub to: String,
@@ -319,7 +326,7 @@ pub struct IfChanged {
 }
 
 /// The cell in words and numbers.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Setting {
     /// Scenario name.
     pub name: String,
@@ -348,12 +355,12 @@ pub struct Setting {
 }
 
 /// The posture model in words and numbers.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ModelSummary {
     /// Its name.
     pub name: String,
     /// Its method.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// Simulated operator?
     pub simulated: bool,
     /// The body on which it was learned, and those to which it is applied.
