@@ -12,6 +12,8 @@
 //! are not flattered by having been chosen.
 
 mod causes;
+mod cell_look;
+mod cell_sensitivity;
 mod evaluate;
 mod explain;
 mod filming;
@@ -27,7 +29,10 @@ mod scene;
 mod search;
 mod searches;
 mod space;
+mod stored;
 
+pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
+pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use objective::Figures;
 pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
 pub use preset::{Objective, Preset, load_preset, preset_names};
@@ -35,3 +40,4 @@ pub use result::*;
 pub use resume::Checkpoint;
 pub use scene::*;
 pub use search::{SearchState, Tried};
+pub use stored::{Freshness, freshness, parse_result, read_result, result_file};

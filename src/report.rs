@@ -5,7 +5,8 @@
 //!           ─► tables  candidates.csv, paths/<rank>.csv
 //!           ─► figure_* on sheet, panel, style   figures/*.png
 //!           ─► page*   report.html, with scene.js and sort.js in it
-//! result.json of several runs ─► comparison     comparison.csv, comparison.html
+//! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
+//! CellLook ─► figure_cell   the cell before planning, PNG
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
 //! gains with their intervals     ─► figure_forest                             PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
@@ -15,7 +16,11 @@
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
 
 mod comparison;
+mod comparison_figure;
+mod comparison_page;
+mod comparison_table;
 mod figure_box;
+mod figure_cell;
 mod figure_forest;
 mod figure_growth;
 mod figure_paths;
@@ -36,8 +41,12 @@ mod tests;
 mod value_axis;
 mod view;
 
-pub use comparison::{ComparisonRow, Difference, RowState, comparison};
+pub use comparison::{
+    ComparedBody, ComparedPath, ComparedRun, Comparison, NamedRun, Role, RowState, RunDifference,
+    comparison,
+};
 pub use figure_box::{BoxPanel, box_plots};
+pub use figure_cell::cell_figure;
 pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use filled_page::{Picked, sheet_files};
@@ -71,7 +80,15 @@ pub enum ReportError {
 
 /// All files of a run, as (name, bytes).
 pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let view = View::of(result);
+    files_again(result, None)
+}
+
+/// The same, of a run that was read back; with what has changed since, if anything has.
+pub fn files_again(
+    result: &RunResult,
+    out_of_date: Option<&str>,
+) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let view = View { out_of_date, ..View::of(result) };
     let mut files = vec![
         ("result.json".to_owned(), result_json(result)?.into_bytes()),
         ("candidates.csv".to_owned(), tables::candidates(result)?),

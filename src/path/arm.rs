@@ -256,7 +256,7 @@ impl Arm<'_> {
                 LimitKind::Acceleration => ("acceleration", length[2]),
             };
             let (joint, from, to) = (v.joint.clone(), v.limit, v.value);
-            changes.push(Change::JointLimit { joint, of, unit, from, to });
+            changes.push(Change::JointLimit { joint, of: of.into(), unit: unit.into(), from, to });
         }
         changes
     }

@@ -247,6 +247,29 @@ impl<'a> Person<'a> {
         }
     }
 
+    /// The person's mean posture moved on to a TCP pose, with the robot in a posture, for drawings;
+    /// without bones where the hand does not get there.
+    pub(super) fn picture_at(
+        &self,
+        tcp: &Pose,
+        variant: &Variant,
+        (robot, robot_q): (&Robot, Option<&[f64]>),
+    ) -> PosePicture {
+        let pelvis = self.pelvis(variant);
+        let hand = pelvis.inverse() * tcp * variant.grip;
+        let postures = &self.scenario.worker.model.postures;
+        let rule = StartRule::Mean;
+        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..1);
+        let q = starts.into_iter().next().and_then(|s| s.q);
+        PosePicture {
+            body: self.name.clone(),
+            time_s: 0.0,
+            bones: q.map_or_else(Vec::new, |q| self.surveyor.bones_at(&pelvis, &q)),
+            robot: robot_q
+                .map_or_else(Vec::new, |q| stick(robot, q).into_iter().map(Into::into).collect()),
+        }
+    }
+
     /// The mean posture and the robot at a few moments, for drawings.
     pub(super) fn pictures(
         &self,
@@ -413,7 +436,7 @@ impl Sheets {
 
 fn parts(shares: &[StepShare]) -> Vec<PartScore> {
     let part = |s: &StepShare| PartScore {
-        part: s.step,
+        part: s.step.into(),
         mean: s.mean,
         drives: s.drop,
         drives_se: s.drop_se,

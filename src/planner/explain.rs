@@ -373,7 +373,7 @@ pub(super) fn model_summary(scenario: &Scenario) -> ModelSummary {
     let size = &model.size;
     ModelSummary {
         name: model.name.clone(),
-        method: model.method.name(),
+        method: model.method.name().into(),
         simulated: model.provenance.simulated,
         learned_on: format!(
             "learned on body `{}` ({}, {} m, {} kg), applied to {}",

@@ -214,7 +214,7 @@ fn run(
         verdict.lines.extend(unreached_ends(scenario, &people));
     }
     Ok(RunResult {
-        schema: RESULT_SCHEMA,
+        schema: RESULT_SCHEMA.into(),
         provenance: provenance(scenario, request, &lens),
         verdict,
         comparisons,
@@ -265,7 +265,7 @@ fn certificate(environment: &Environment, best: &Finalist) -> Certificate {
 
 fn provenance(scenario: &Scenario, request: &Request, lens: &Lens) -> RunProvenance {
     RunProvenance {
-        program_version: env!("CARGO_PKG_VERSION"),
+        program_version: env!("CARGO_PKG_VERSION").into(),
         command: request.command.clone(),
         seed: request.seed,
         inputs: inputs_of(scenario),

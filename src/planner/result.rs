@@ -7,21 +7,23 @@ use super::scene::Scene;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
 };
+use crate::files::null_as_nan;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
 use crate::scenario::{Origin, Task};
 use nalgebra::DVector;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Schema id and version of `result.json`.
 pub const RESULT_SCHEMA: &str = "ergopath/result/1";
 
 /// A finished run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunResult {
     /// [`RESULT_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Where it comes from.
     pub provenance: RunProvenance,
     /// The decision in words.
@@ -56,7 +58,7 @@ pub struct RunResult {
 }
 
 /// One search of a run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SearchSummary {
     /// Its name.
     pub name: String,
@@ -67,13 +69,16 @@ pub struct SearchSummary {
 }
 
 /// The best path among people that another seed draws (worst body).
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Certificate {
     /// Expected RULA among the reported people.
+    #[serde(deserialize_with = "null_as_nan")]
     pub expected_rula: f64,
     /// Expected RULA among as many people of the next seed.
+    #[serde(deserialize_with = "null_as_nan")]
     pub expected_rula_other_seed: f64,
     /// Half width of the 95 % interval of their difference.
+    #[serde(deserialize_with = "null_as_nan")]
     pub half_width95: f64,
     /// People of each.
     pub people: usize,
@@ -95,10 +100,10 @@ pub struct RolloutTable {
 }
 
 /// How to make the run again.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunProvenance {
     /// Version of ergopath.
-    pub program_version: &'static str,
+    pub program_version: Cow<'static, str>,
     /// The canonical command.
     pub command: String,
     /// Seed of all randomness.
@@ -110,7 +115,7 @@ pub struct RunProvenance {
 }
 
 /// The decision.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Verdict {
     /// One sentence.
     pub headline: String,
@@ -119,14 +124,14 @@ pub struct Verdict {
     /// Id of the best feasible path, if there is one.
     pub best: Option<String>,
     /// Where no path is feasible: the smallest change of each kind that would help, alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// "demonstration model, not your workers", when that applies.
     pub caveat: Option<String>,
 }
 
 /// One path.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CandidateResult {
     /// 1 is best; none for a path that is not feasible.
     pub rank: Option<usize>,
@@ -139,7 +144,7 @@ pub struct CandidateResult {
     /// Stage up to which it was evaluated.
     pub evaluated: Evaluated,
     /// What would make a path that is not feasible possible, each alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
@@ -157,7 +162,7 @@ pub struct CandidateResult {
 }
 
 /// Whether a path can be used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Status {
     /// All limits are kept.
@@ -177,7 +182,7 @@ pub enum Status {
 }
 
 /// How far a path came.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evaluated {
     /// Refused before any rollout.
@@ -189,7 +194,7 @@ pub enum Evaluated {
 }
 
 /// Scores of one body along one path.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BodyScores {
     /// Name of the body.
     pub body: String,
@@ -216,6 +221,7 @@ pub struct BodyScores {
     /// Largest distance of the hand from the path over all rollouts, mm.
     pub hand_residual_max_mm: f64,
     /// Root mean square of that distance, mm.
+    #[serde(deserialize_with = "null_as_nan")]
     pub hand_residual_rms_mm: f64,
     /// Largest angle between hand and path, deg.
     pub hand_residual_max_deg: f64,
@@ -224,6 +230,7 @@ pub struct BodyScores {
     /// Share of start postures beyond the 99 % quantile of the training postures.
     pub unusual_starts: f64,
     /// Mean Mahalanobis distance of the start postures.
+    #[serde(deserialize_with = "null_as_nan")]
     pub start_distance: f64,
     /// The steps of RULA over people and time.
     pub parts: Vec<PartScore>,
@@ -232,10 +239,10 @@ pub struct BodyScores {
 }
 
 /// One body part's share in the score.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PartScore {
     /// Name of the step.
-    pub part: &'static str,
+    pub part: Cow<'static, str>,
     /// Mean step score.
     pub mean: f64,
     /// Drop of the expected total if this step alone were at its lowest.
@@ -247,7 +254,7 @@ pub struct PartScore {
 }
 
 /// A path over time.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PathData {
     /// Times, s.
     pub time_s: Vec<f64>,
@@ -273,7 +280,7 @@ pub struct PathData {
 }
 
 /// The mean posture and the robot at one moment, as line segments in the world, m.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PosePicture {
     /// Body.
     pub body: String,
@@ -286,7 +293,7 @@ pub struct PosePicture {
 }
 
 /// The best path against another, paired over people.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Comparison {
     /// Id of the best path.
     pub best: String,
@@ -301,7 +308,7 @@ pub struct Comparison {
 }
 
 /// One input of the scores.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InputOrigin {
     /// What.
     pub input: String,
@@ -314,7 +321,7 @@ pub struct InputOrigin {
 }
 
 /// Sensitivity to an assumed input.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IfChanged {
     /// The other value.
     pub to: String,
@@ -325,7 +332,7 @@ pub struct IfChanged {
 }
 
 /// The cell in words and numbers.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Setting {
     /// Scenario name.
     pub name: String,
@@ -354,12 +361,12 @@ pub struct Setting {
 }
 
 /// The posture model in words and numbers.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ModelSummary {
     /// Its name.
     pub name: String,
     /// Its method.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// Simulated operator?
     pub simulated: bool,
     /// The body on which it was learned, and those to which it is applied.

@@ -212,7 +212,7 @@ pub(super) fn parts(view: &View) -> Result<Vec<u8>, ReportError> {
         let Some(lead) = lead else { return Ok(()) };
         for (i, part) in lead.parts.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
-            sheet.text(part.part, (232.0, y), Type::plain(LABEL), Anchor::Right)?;
+            sheet.text(&part.part, (232.0, y), Type::plain(LABEL), Anchor::Right)?;
         }
         let means = |b: &BodyScores| b.parts.iter().map(|p| p.mean).collect::<Vec<_>>();
         let drives = |b: &BodyScores| b.parts.iter().map(|p| p.drives).collect::<Vec<_>>();

@@ -75,6 +75,7 @@ pub(super) fn report(view: &View, figures: &Figures) -> Result<String, ReportErr
     let intro = html! {
         h1 { (setting.name) }
         @if !setting.description.is_empty() { p { (setting.description) } }
+        @if let Some(what) = view.out_of_date { p.caveat { strong { "Out of date: " } (ticked(what)) } }
         nav.contents aria-label="Contents" {
             ul {
                 @for (id, heading) in SECTIONS { li { a href={ "#" (id) } { (heading) } } }
