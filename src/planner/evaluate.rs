@@ -4,8 +4,8 @@ use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
 use crate::ergonomics::{
     ExpectedScores, P_AT_LEAST_S, REBA_WORST, RULA_WORST, RebaSteps, RulaSteps, ScoreDistribution,
     StepShare, THRESHOLD_MOVE_DEG, ThresholdSensitivity, ThresholdShift, exposure_by_rollout, reba,
-    reba_action_levels, reba_step_shares, rula, rula_action_levels, rula_step_shares,
-    score_distribution, threshold_sensitivity, time_means,
+    reba_action_levels, reba_step_shares, rula, rula_action_levels, rula_step_courses,
+    rula_step_shares, score_distribution, threshold_sensitivity, time_means,
 };
 use crate::files::InputError;
 use crate::human::Body;
@@ -99,7 +99,10 @@ impl<'a> Person<'a> {
 
     /// Pelvis in the world.
     pub(super) fn pelvis(&self, variant: &Variant) -> Pose {
-        self.body.pelvis_pose(variant.at_m, variant.facing, self.scenario.worker.stance)
+        let stance = self.scenario.worker.stance;
+        let mut pelvis = self.body.pelvis_pose(variant.at_m, variant.facing, stance);
+        pelvis.translation.vector.z += variant.floor_m;
+        pelvis
     }
 
     /// The grip in the pelvis frame along a TCP path, as the law sees it.
@@ -391,7 +394,7 @@ impl Walks {
             extrapolation_share: self.extrapolation_share,
             unusual_starts: self.all.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
             start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
-            parts: parts(&rula_step_shares(&sheets.rula_steps(), lens.profile.rula_table_a)),
+            parts: rula_parts(&sheets.rula_steps(), lens),
             reba_parts: parts(&reba_step_shares(&sheets.reba_steps())),
         })
     }
@@ -434,6 +437,13 @@ impl Sheets {
     }
 }
 
+fn rula_parts(steps: &[Vec<Option<RulaSteps>>], lens: &Lens) -> Vec<PartScore> {
+    let shares = parts(&rula_step_shares(steps, lens.profile.rula_table_a));
+    let rounded = |course: Vec<f64>| course.iter().map(|v| (1e3 * v).round() / 1e3).collect();
+    let with = |(part, course)| PartScore { over_time: rounded(course), ..part };
+    shares.into_iter().zip(rula_step_courses(steps)).map(with).collect()
+}
+
 fn parts(shares: &[StepShare]) -> Vec<PartScore> {
     let part = |s: &StepShare| PartScore {
         part: s.step.into(),
@@ -441,6 +451,7 @@ fn parts(shares: &[StepShare]) -> Vec<PartScore> {
         drives: s.drop,
         drives_se: s.drop_se,
         drives_share: s.drives_share,
+        over_time: Vec::new(),
     };
     shares.iter().map(part).collect()
 }

@@ -8,6 +8,7 @@ use super::explain::{
 use super::filming;
 use super::finalists::{Finalist, finalists, rest, select};
 use super::lens::lens;
+use super::moments::moments;
 use super::objective::Figures;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
@@ -180,7 +181,7 @@ fn run(
     let chosen = select(&environment, pool)?;
     let mut candidates = Vec::new();
     // The best path's walks of the body that scores worst: the one of the verdict.
-    let mut best: Option<(Walks, &Finalist)> = None;
+    let mut best: Option<(Walks, &Finalist, &Person)> = None;
     let (mut rollouts, mut motions) = (Vec::new(), Vec::new());
     let walkable: Vec<&Finalist> = chosen.iter().filter(|f| f.value.is_some()).collect();
     let reported = counted(&environment, "reporting", (0, walkable.len(), None), &walkable, |f| {
@@ -195,7 +196,7 @@ fn run(
         motions.extend(environment.film(&finalist.prepared, &result, &walks));
         if best.is_none() && result.status == Status::Feasible {
             let worst = worst_index(&result.bodies);
-            best = worst.and_then(|i| walks.into_iter().nth(i)).map(|w| (w, finalist));
+            best = worst.and_then(|i| Some((walks.into_iter().nth(i)?, finalist, people.get(i)?)));
         }
         candidates.push(result);
     }
@@ -204,7 +205,9 @@ fn run(
     );
     let ids: Vec<String> = candidates.iter().map(|c| c.id.clone()).collect();
     candidates.extend(rest(&searches, &space, &ids));
-    let certificate = best.as_ref().map(|(_, f)| certificate(&environment, f));
+    let certificate = best.as_ref().map(|(_, f, _)| certificate(&environment, f));
+    let shown =
+        best.as_ref().map(|(walks, f, person)| moments(person, walks, &f.prepared.variant, &lens));
     let inputs = inputs(scenario, &lens, best.as_ref().map(|b| &b.0));
     let comparisons = comparisons(&candidates);
     let mut verdict = verdict(scenario, &candidates, &comparisons, &inputs);
@@ -219,7 +222,9 @@ fn run(
         verdict,
         comparisons,
         inputs,
-        threshold_sensitivity: best.as_ref().map(|(w, _)| w.sensitivity(&lens)),
+        threshold_sensitivity: best.as_ref().map(|(w, ..)| w.sensitivity(&lens)),
+        moments: shown.unwrap_or_default(),
+        recommendations: best.as_ref().map(|(_, f, p)| environment.recommend(&f.prepared, p)),
         setting: setting(scenario),
         posture_model: model_summary(scenario),
         warnings: scenario.warnings.clone(),

@@ -40,6 +40,10 @@ pub struct RunResult {
     pub setting: Setting,
     /// The posture model.
     pub posture_model: ModelSummary,
+    /// Postures of the best path that a reader wants to see, of the body of the verdict.
+    pub moments: Vec<Moment>,
+    /// What would lower the score of the best path; none without one.
+    pub recommendations: Option<Recommendations>,
     /// What the reader should know.
     pub warnings: Vec<String>,
     /// What is not part of the model.
@@ -251,6 +255,9 @@ pub struct PartScore {
     pub drives_se: Option<f64>,
     /// Share of the time at which the total would be lower with this step at its lowest.
     pub drives_share: f64,
+    /// Mean score at each time of the path, to three decimals; of RULA only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub over_time: Vec<f64>,
 }
 
 /// A path over time.
@@ -377,4 +384,53 @@ pub struct ModelSummary {
     pub quality: Vec<MethodQuality>,
     /// Remarks of the training.
     pub notes: Vec<String>,
+}
+
+/// One posture of one repetition.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Moment {
+    /// What it shows.
+    pub what: String,
+    /// Body.
+    pub body: String,
+    /// Number of the repetition, from 0.
+    pub repetition: usize,
+    /// When, s.
+    pub time_s: f64,
+    /// For how long it is held, s; of the longest hold only.
+    pub held_s: Option<f64>,
+    /// RULA at that moment.
+    pub rula: u8,
+    /// REBA at that moment.
+    pub reba: u8,
+    /// Body angles by name, deg.
+    pub angles_deg: Vec<(String, f64)>,
+    /// Bones of the person, world, m.
+    pub bones: Vec<[[f64; 3]; 2]>,
+}
+
+/// Changes that were tried on the best path, its body of the verdict and the same people.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recommendations {
+    /// Number of changes that were tried.
+    pub tried: usize,
+    /// People behind each.
+    pub people: usize,
+    /// Those that clearly lower expected RULA, best first; of each direction the best step.
+    pub clear: Vec<Recommendation>,
+}
+
+/// A change with its effect.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recommendation {
+    /// What to do.
+    pub what: String,
+    /// Expected RULA with the change minus without.
+    pub rula: PairedDifference,
+    /// Expected RULA without and with it.
+    pub expected_rula: [f64; 2],
+    /// Expected REBA without and with it.
+    pub expected_reba: [f64; 2],
+    /// Share of time at RULA 5 or more without and with it.
+    pub exposure_rula_5: [f64; 2],
 }

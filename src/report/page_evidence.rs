@@ -88,6 +88,8 @@ pub(super) fn verification(view: &View) -> Markup {
             h3 { "Simulated people" @if lead.bodies.len() > 1 { " (" (body.body) ")" } }
             (trust(body))
         }
+        (another_seed(view))
+        (thresholds(view))
     }
 }
 
@@ -134,6 +136,47 @@ fn check_row(check: &Check) -> Markup {
             td.n { (format!("{:.2}", check.at_s)) }
             td { @if check.is_met() { "yes" } @else { strong { "no" } } }
         }
+    }
+}
+
+/// The best path among other people, and what was searched.
+fn another_seed(view: &View) -> Markup {
+    let Some(c) = &view.result.certificate else { return html! {} };
+    let moved = c.expected_rula_other_seed - c.expected_rula;
+    let is_within = moved.abs() <= c.half_width95;
+    html! {
+        h3 { "Under another seed" }
+        p {
+            (c.people) " other simulated people: expected RULA " (score(c.expected_rula_other_seed)) " against "
+            (score(c.expected_rula)) ", " @if is_within { "within" } @else { strong { "outside" } }
+            " the 95 % interval of " (format!("{:.3}", c.half_width95)) " for chance alone. The path itself was not searched again."
+        }
+        @if !view.result.search.is_empty() {
+            ul { @for s in &view.result.search { li { (s.name) ": " (s.paths) " paths tried, " (s.infeasible) " refused" } } }
+        }
+    }
+}
+
+/// The expected scores with the angle thresholds moved.
+fn thresholds(view: &View) -> Markup {
+    let Some(t) = &view.result.threshold_sensitivity else { return html! {} };
+    html! {
+        h3 { "If the angle thresholds lay elsewhere" }
+        div.scroll tabindex="0" role="region" aria-label="Moved thresholds" { table.slim {
+            caption { "Expected scores of the best path with thresholds moved by " (t.by_deg) "\u{b0} (measured angles are as uncertain as that)." }
+            thead { tr {
+                th scope="col" { "Thresholds of" }
+                th.n scope="col" { "RULA, laxer to stricter" }
+                th.n scope="col" { "REBA, laxer to stricter" }
+            } }
+            tbody { @for b in &t.bands {
+                tr {
+                    th scope="row" { (b.part.map_or("all together", |p| p.name())) }
+                    td.n { (score(b.laxer.rula)) " to " (score(b.stricter.rula)) }
+                    td.n { (score(b.laxer.reba)) " to " (score(b.stricter.reba)) }
+                }
+            } }
+        } }
     }
 }
 
