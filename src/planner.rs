@@ -3,6 +3,7 @@
 //! ```text
 //! space      white numbers              ─► via-points, and start, goal, base ... where they are free
 //! prepare    QP, robot, obstacles       ─► feasible path | why not, and what would help (causes)
+//! near       robot against people       ─► share of repetitions nearer than the margin
 //! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
 //! finalists  the best on fresh people by successive halving, every baseline, the user's own
 //! pipeline   one more block of people   ─► the figures that are reported
@@ -11,17 +12,20 @@
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
+mod apart;
 mod causes;
 mod evaluate;
 mod explain;
 mod finalists;
 mod lens;
+mod near;
 mod objective;
 mod pipeline;
 mod prepare;
 mod preset;
 mod result;
 mod resume;
+mod robot_words;
 mod search;
 mod searches;
 mod space;
