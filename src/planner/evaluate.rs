@@ -46,7 +46,7 @@ pub(super) struct Person<'a> {
     scenario: &'a Scenario,
     coupling: Coupling,
     body: &'a Body,
-    surveyor: Surveyor,
+    pub(super) surveyor: Surveyor,
     envelope: Envelope,
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
@@ -101,7 +101,7 @@ impl<'a> Person<'a> {
     }
 
     /// Pelvis in the world.
-    fn pelvis(&self, variant: &Variant) -> Pose {
+    pub(super) fn pelvis(&self, variant: &Variant) -> Pose {
         self.body.pelvis_pose(variant.at_m, variant.facing, self.scenario.worker.stance)
     }
 

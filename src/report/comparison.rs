@@ -263,7 +263,7 @@ fn page(rows: &[&ComparisonRow]) -> String {
         }
         section aria-labelledby="h-from" { h2 id="h-from" { "Where the runs come from" } (origins(rows)) }
     };
-    document("Comparison of runs – ergopath", &intro, &body)
+    document("Comparison of runs – ergopath", &intro, &body, &maud::html! {})
 }
 
 fn runs(rows: &[&&ComparisonRow]) -> Markup {
