@@ -3,6 +3,7 @@
 //! ```text
 //! space      white numbers              ─► via-points, and start, goal, base ... where they are free
 //! prepare    QP, robot, obstacles       ─► feasible path | why not, and what would help (causes)
+//! near       robot against people       ─► share of repetitions nearer than the margin
 //! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
 //! finalists  the best on fresh people by successive halving, every baseline, the user's own
 //! pipeline   one more block of people   ─► the figures that are reported
@@ -11,6 +12,7 @@
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
+mod apart;
 mod causes;
 mod cell_look;
 mod cell_sensitivity;
@@ -20,6 +22,7 @@ mod filming;
 mod finalists;
 mod lens;
 mod moments;
+mod near;
 mod objective;
 mod pipeline;
 mod prepare;
@@ -27,6 +30,7 @@ mod preset;
 mod recommend;
 mod result;
 mod resume;
+mod robot_words;
 mod scene;
 mod search;
 mod searches;

@@ -1,5 +1,6 @@
 //! Sends people along paths and scores them.
 
+use super::near::{ArmAlong, Closest};
 use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
 use crate::ergonomics::{
     ExpectedScores, P_AT_LEAST_S, REBA_WORST, RULA_WORST, RebaSteps, RulaSteps, ScoreDistribution,
@@ -8,7 +9,7 @@ use crate::ergonomics::{
     rula_step_shares, score_distribution, threshold_sensitivity, time_means,
 };
 use crate::files::InputError;
-use crate::human::Body;
+use crate::human::{Body, BodyPart, Envelope};
 use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::math::stream::{Purpose, stream};
@@ -46,6 +47,7 @@ pub(super) struct Person<'a> {
     coupling: Coupling,
     body: &'a Body,
     pub(super) surveyor: Surveyor,
+    envelope: Envelope,
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,
@@ -87,6 +89,7 @@ impl<'a> Person<'a> {
                     scenario,
                     coupling,
                     surveyor: Surveyor::new(body, w.side, pelvis, w.stance)?,
+                    envelope: Envelope::new(body, w.side, w.stance)?,
                     body,
                     sampler: Sampler::new(&w.model.law, Sampling::Pathwise)
                         .ok_or_else(|| broken_process(&w.model.name))?,
@@ -110,6 +113,21 @@ impl<'a> Person<'a> {
         let to_pelvis = self.pelvis(variant).inverse();
         let targets = path.poses.iter().map(|tcp| to_pelvis * tcp * variant.grip).collect();
         HandPath::new(&self.coupling, law, path.time_s.clone(), targets)
+    }
+
+    /// Where people come nearest to the arm; `people`: the numbers of these walks.
+    pub(super) fn closest(
+        &self,
+        walks: &Walks,
+        people: &Range<usize>,
+        (arm, variant): (&ArmAlong, &Variant),
+    ) -> Vec<Option<Closest>> {
+        arm.closest(walks, people, (&self.envelope, &self.pelvis(variant)))
+    }
+
+    /// The capsules of the body.
+    pub(super) fn parts(&self) -> &[BodyPart] {
+        self.envelope.parts()
     }
 
     /// People `from..to` of a block along a path. The same (seed, block) means the same people on
@@ -371,6 +389,7 @@ impl Walks {
             self.all.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
         Some(BodyScores {
             body: body.to_owned(),
+            person_clearance: None,
             rollouts: self.all.len(),
             rula_by_rollout: time_means(&rula_scores),
             exposure_rula_5_band: [

@@ -9,6 +9,7 @@ use super::filming;
 use super::finalists::{Finalist, finalists, rest, select};
 use super::lens::lens;
 use super::moments::moments;
+use super::near::Care;
 use super::objective::Figures;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
@@ -187,9 +188,17 @@ fn run(
     let reported = counted(&environment, "reporting", (0, walkable.len(), None), &walkable, |f| {
         environment.report(&f.prepared, preset.rollouts_final)
     })?;
-    for ((finalist, (mut result, walks)), rank) in walkable.into_iter().zip(reported).zip(1..) {
-        result.rank = Some(rank);
+    // Too near among the fresh people of the report, though not among those of the selection.
+    let mut too_near = Vec::new();
+    for (finalist, (mut result, walks)) in walkable.into_iter().zip(reported) {
         result.objective = finalist.value;
+        result.mark_if_too_near(finalist.prepared.is_users, &scenario.person_margin);
+        if matches!(result.status, Status::Infeasible { .. }) {
+            too_near.push(result);
+            continue;
+        }
+        let rank = candidates.len() + 1;
+        result.rank = Some(rank);
         if request.keeps_rollouts {
             rollouts.extend(environment.tables(&finalist.prepared, &walks, rank));
         }
@@ -200,6 +209,7 @@ fn run(
         }
         candidates.push(result);
     }
+    candidates.extend(too_near);
     candidates.extend(
         chosen.iter().filter(|f| f.value.is_none()).map(|f| bare(&f.prepared, Evaluated::None)),
     );
@@ -214,6 +224,7 @@ fn run(
     if verdict.best.is_none() {
         let refused: Vec<&Prepared> = chosen.iter().map(|f| &f.prepared).collect();
         workshop.explain(&refused, &mut verdict);
+        environment.explain_nearness(&refused, &space, &mut verdict);
         verdict.lines.extend(unreached_ends(scenario, &people));
     }
     Ok(RunResult {
@@ -253,7 +264,8 @@ impl Searches {
 fn certificate(environment: &Environment, best: &Finalist) -> Certificate {
     let count = environment.preset.rollouts_final;
     let rula = |seed: u64| {
-        let bodies = environment.figures(&best.prepared, (seed, REPORT_BLOCK), 0..count);
+        let bodies =
+            environment.figures(&best.prepared, (seed, REPORT_BLOCK), 0..count, Care::Search);
         let worst = bodies.into_iter().max_by(|a, b| mean(&a.rula).total_cmp(&mean(&b.rula)));
         worst.map(|b| b.rula).unwrap_or_default()
     };
@@ -305,12 +317,20 @@ impl Environment<'_> {
             result.path = prepared.data(self.scenario);
             let robot_q = result.path.as_ref().map(|p| p.robot_q.clone()).unwrap_or_default();
             let robot = self.workshop.robot_of(&prepared.variant);
+            let arm = prepared.arm(&robot, Care::Report);
             let at = (path, &prepared.variant);
             for person in self.people {
                 let walks =
                     person.walk(path, &prepared.variant, (self.seed, REPORT_BLOCK), 0..count);
                 let other_arm = self.scenario.worker.other_arm;
-                result.bodies.extend(walks.summary(&person.name, self.lens, other_arm));
+                let mut scores = walks.summary(&person.name, self.lens, other_arm);
+                if let (Some(scores), Some(arm)) = (&mut scores, &arm) {
+                    let closest = person.closest(&walks, &(0..count), (arm, &prepared.variant));
+                    let body = (person.parts(), &path.time_s[..]);
+                    let margin = &self.scenario.person_margin;
+                    scores.person_clearance = arm.summary(&closest, body, margin);
+                }
+                result.bodies.extend(scores);
                 result.poses.extend(person.pictures(
                     &walks,
                     at,

@@ -178,7 +178,7 @@ pub enum Status {
     },
     /// It cannot be used.
     Infeasible {
-        /// "path", "robot", "obstacle" or "worker".
+        /// "path", "robot", "obstacle", "worker" (out of reach) or "person" (too near).
         stage: String,
         /// Why, in one sentence.
         reason: String,
@@ -202,6 +202,8 @@ pub enum Evaluated {
 pub struct BodyScores {
     /// Name of the body.
     pub body: String,
+    /// How near the robot comes to this person; none without shapes or motion of the robot.
+    pub person_clearance: Option<PersonClearance>,
     /// Number of rollouts.
     pub rollouts: usize,
     /// RULA of the coupled side.
@@ -240,6 +242,54 @@ pub struct BodyScores {
     pub parts: Vec<PartScore>,
     /// The steps of REBA over people and time.
     pub reba_parts: Vec<PartScore>,
+}
+
+/// How near the robot comes to one person over the repetitions, the coupled hand and forearm at the
+/// robot's wrist excepted. A planning margin, not a safety function.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PersonClearance {
+    /// Repetitions that were looked at.
+    pub repetitions: usize,
+    /// Distance that is to be kept, m.
+    pub margin_m: f64,
+    /// Share of repetitions that may come nearer.
+    pub share_allowed: f64,
+    /// Share that does, at any moment.
+    pub share_below: f64,
+    /// Least distance over repetitions and time, m; below zero the capsules overlap.
+    pub min_m: f64,
+    /// 5th percentile over repetitions of the least distance over time, m.
+    pub p05_m: f64,
+    /// Link of the robot at the least distance.
+    pub link: String,
+    /// Body part there.
+    pub body_part: String,
+    /// When, s.
+    pub time_s: f64,
+}
+
+impl PersonClearance {
+    /// Whether the constraint is kept.
+    pub fn is_kept(&self) -> bool {
+        self.share_below <= self.share_allowed
+    }
+
+    /// All of it in one sentence.
+    pub fn sentence(&self) -> String {
+        format!(
+            "nearest {:.0} mm (link `{}` and the {} at {:.2} s), 5th percentile {:.0} mm; {:.1} % of {} \
+             repetitions nearer than {:.0} mm, {:.1} % allowed",
+            1e3 * self.min_m,
+            self.link,
+            self.body_part,
+            self.time_s,
+            1e3 * self.p05_m,
+            100.0 * self.share_below,
+            self.repetitions,
+            1e3 * self.margin_m,
+            100.0 * self.share_allowed
+        )
+    }
 }
 
 /// One body part's share in the score.
@@ -282,6 +332,8 @@ pub struct PathData {
     pub joint_trajectory: Option<JointTrajectory>,
     /// Smallest clearance to an obstacle, m, with what meets what.
     pub clearance: Option<(f64, String)>,
+    /// Smallest distance of the arm to itself in words, or why it was not checked.
+    pub self_clearance: String,
     /// How far the QP moved the path, m.
     pub moved_m: f64,
 }
