@@ -21,6 +21,7 @@ macro_rules! complain {
 
 mod batch;
 mod bench;
+mod bench_print;
 mod body;
 mod evaluate;
 mod evaluate_print;

@@ -7,6 +7,7 @@
 //!           ─► page*   report.html, with scene.js and sort.js in it
 //! result.json of several runs ─► comparison     comparison.csv, comparison.html
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
+//! gains with their intervals     ─► figure_forest                             PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! SizeExperiment ─► size          size.png, size.csv, size.json
 //! ```
@@ -15,6 +16,7 @@
 
 mod comparison;
 mod figure_box;
+mod figure_forest;
 mod figure_growth;
 mod figure_paths;
 mod figure_scores;
@@ -36,6 +38,7 @@ mod view;
 
 pub use comparison::{ComparisonRow, Difference, RowState, comparison};
 pub use figure_box::{BoxPanel, box_plots};
+pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use filled_page::{Picked, sheet_files};
 pub use size::size_files;

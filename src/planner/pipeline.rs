@@ -294,6 +294,7 @@ impl Environment<'_> {
 
     fn report(&self, prepared: &Prepared, count: usize) -> (CandidateResult, Vec<Walks>) {
         let mut result = bare(prepared, Evaluated::Reported);
+        result.chosen = self.scenario.chosen(&prepared.variant);
         let mut all = Vec::new();
         if let Some(path) = &prepared.path {
             result.path = prepared.data(self.scenario);
@@ -328,6 +329,7 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         evaluated,
         changes: prepared.changes.clone(),
         vias_m: prepared.vias_m.clone(),
+        chosen: Vec::new(),
         objective: None,
         bodies: Vec::new(),
         path: None,

@@ -143,6 +143,9 @@ pub struct CandidateResult {
     pub changes: Vec<Change>,
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
+    /// What was chosen besides the path, where the scenario leaves anything free.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub chosen: Vec<String>,
     /// The objective on the block that ranked it.
     pub objective: Option<f64>,
     /// Scores of each body.

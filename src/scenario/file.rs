@@ -53,6 +53,8 @@ pub(super) struct FreeFile {
     pub worker_at_m: Option<[f64; 2]>,
     pub worker_facing_deg: Option<[f64; 2]>,
     pub duration_s: Option<[f64; 2]>,
+    pub dwell_s: Option<[f64; 2]>,
+    pub turn_on_the_way_deg: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
