@@ -199,20 +199,27 @@ impl Session {
         self.tab.print_to_pdf(None).unwrap()
     }
 
-    /// An element as PNG, made smaller by `scale`.
+    /// An element as PNG, made smaller by `scale`; whole even where the window shows a part of it.
     pub(crate) fn png(&self, selector: &str, scale: f64) -> Vec<u8> {
         // Two frames, so that what was asked for is drawn.
-        self.run("await new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))");
+        self.run(&format!(
+            "document.querySelector({selector:?}).scrollIntoView({{ block: 'center' }}); \
+             await new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))"
+        ));
         let [x, y, width, height]: [f64; 4] = self.get(&format!(
             "(() => {{ const r = document.querySelector({selector:?}).getBoundingClientRect(); \
-             return [r.x + scrollX, r.y + scrollY, r.width, r.height]; }})()"
+             return [r.x + scrollX, r.y + scrollY, r.width, r.height].map(Math.floor); }})()"
+        ));
+        // Only where it must be: the page is laid out anew for it.
+        let is_beyond: bool = self.get(&format!(
+            "document.querySelector({selector:?}).getBoundingClientRect().height > innerHeight"
         ));
         let picture = self.tab.call_method(Page::CaptureScreenshot {
             format: Some(Page::CaptureScreenshotFormatOption::Png),
             clip: Some(Page::Viewport { x, y, width, height, scale }),
             quality: None,
             from_surface: Some(true),
-            capture_beyond_viewport: Some(true),
+            capture_beyond_viewport: Some(is_beyond),
             optimize_for_speed: None,
         });
         base64::engine::general_purpose::STANDARD.decode(picture.unwrap().data).unwrap()
