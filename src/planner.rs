@@ -7,6 +7,7 @@
 //! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
 //! finalists  the best on fresh people by successive halving, every baseline, the user's own
 //! pipeline   one more block of people   ─► the figures that are reported
+//! filming    some of their walks        ─► scene, what a viewer plays
 //! ```
 //! All paths meet the same people: the randomness of a rollout depends on (seed, block, rollout),
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
