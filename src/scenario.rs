@@ -8,6 +8,7 @@
 
 mod cell;
 mod check;
+mod defaults;
 mod file;
 mod freedom;
 mod paths;
@@ -16,6 +17,7 @@ mod task;
 mod worker;
 
 pub use check::Scenario;
+pub use defaults::defaults_in_force;
 pub use file::{OtherArm, PosturePick};
 pub use freedom::{Freedom, Freedoms, Variant};
 pub use paths::{UserPath, read_user_path};
@@ -27,6 +29,12 @@ use std::path::Path;
 
 /// Schema id and version of scenario files.
 pub const SCENARIO_SCHEMA: &str = "ergopath/scenario/1";
+
+/// JSON Schema (draft 7) of scenario files.
+pub fn scenario_schema() -> serde_json::Value {
+    let generator = schemars::generate::SchemaSettings::draft07().into_generator();
+    generator.into_root_schema_for::<file::ScenarioFile>().into()
+}
 
 /// Reads and resolves a scenario; paths in it are relative to its folder.
 pub fn read_scenario(path: &Path) -> Result<Scenario, InputError> {

@@ -1,6 +1,8 @@
 //! Planner presets: how many candidates and people, and what is made small. Owner of `planners/`.
 
 use crate::files::{InputError, parse_toml, read_text, suggest};
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -14,9 +16,11 @@ const SHIPPED: &[(&str, &str)] = &[
 ];
 
 /// A planner's settings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
+    /// Version of this format: `ergopath/planner/1`.
+    #[schemars(extend("const" = SCHEMA))]
     schema: String,
     /// Name.
     pub name: String,
@@ -51,7 +55,7 @@ pub struct Preset {
 }
 
 /// Weights of the objective: one or more of scores, and secondary terms.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Objective {
     /// Of the expected RULA score.
@@ -81,6 +85,11 @@ pub struct Objective {
 
 fn wanted() -> f64 {
     0.05
+}
+
+/// JSON Schema (draft 7) of planner files.
+pub fn planner_schema() -> serde_json::Value {
+    SchemaSettings::draft07().into_generator().into_root_schema_for::<Preset>().into()
 }
 
 /// Names of the shipped presets.
