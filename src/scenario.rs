@@ -24,7 +24,7 @@ pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
 pub use worker::Worker;
 
-use crate::files::{InputError, parse_toml, read_text, sha256_hex};
+use crate::files::{InputError, parse_toml, read_text, sha256_hex, toml_schema};
 use std::path::Path;
 
 /// Schema id and version of scenario files.
@@ -32,8 +32,7 @@ pub const SCENARIO_SCHEMA: &str = "ergopath/scenario/1";
 
 /// JSON Schema (draft 7) of scenario files.
 pub fn scenario_schema() -> serde_json::Value {
-    let generator = schemars::generate::SchemaSettings::draft07().into_generator();
-    generator.into_root_schema_for::<file::ScenarioFile>().into()
+    toml_schema::<file::ScenarioFile>()
 }
 
 /// Reads and resolves a scenario; paths in it are relative to its folder.

@@ -1,8 +1,7 @@
 //! Planner presets: how many candidates and people, and what is made small. Owner of `planners/`.
 
-use crate::files::{InputError, parse_toml, read_text, suggest};
+use crate::files::{InputError, parse_toml, read_text, suggest, toml_schema};
 use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -89,7 +88,7 @@ fn wanted() -> f64 {
 
 /// JSON Schema (draft 7) of planner files.
 pub fn planner_schema() -> serde_json::Value {
-    SchemaSettings::draft07().into_generator().into_root_schema_for::<Preset>().into()
+    toml_schema::<Preset>()
 }
 
 /// Names of the shipped presets.
