@@ -19,10 +19,12 @@ macro_rules! complain {
     }};
 }
 
+mod bars;
 mod batch;
 mod bench;
 mod bench_print;
 mod body;
+mod compare;
 mod evaluate;
 mod evaluate_print;
 mod experiment;
@@ -30,6 +32,7 @@ mod experiment_size;
 mod inspect;
 mod plan;
 mod progress;
+mod report;
 mod score;
 mod score_motion;
 mod score_print;
@@ -62,8 +65,10 @@ enum Command {
     Score(Box<score::Args>),
     /// Plans several scenarios and puts them into one table; one failure does not stop the others.
     Batch(batch::BatchArgs),
-    /// Puts finished runs into one table.
-    Compare(batch::CompareArgs),
+    /// Makes the report of a finished run again, without planning.
+    Report(report::Args),
+    /// Puts finished runs side by side: paths, layouts, robots or body sizes.
+    Compare(compare::Args),
     /// Learns from recordings how a person resolves the redundancy of the body.
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
@@ -94,7 +99,8 @@ pub fn main() -> ExitCode {
         Command::Assess(args) => plan::assess(&args),
         Command::Score(args) => score::run(&args),
         Command::Batch(args) => batch::batch(&args),
-        Command::Compare(args) => batch::compare(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Bench(args) => bench::bench(&args),

@@ -6,6 +6,7 @@
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
 //! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
 //! paired    two paths, the same people      ─► PairedDifference
+//! unpaired  two groups of other people      ─► UnpairedDifference
 //! drivers   sheets of many rollouts         ─► StepShare: which step drives the score
 //! luba      angles                          ─► LubaScore: discomfort points
 //! iso11226, en1005_4  angles                ─► PartZone ─► zones: PartTimes over a series
@@ -39,6 +40,7 @@ mod sensitivity;
 mod smooth;
 mod tables;
 mod timeline;
+mod unpaired;
 mod worksheet;
 mod zones;
 
@@ -51,7 +53,7 @@ pub use assess::{Assessment, TaskInputs, assess, worksheet};
 pub use back::{BackAngle, BackExposure, SPINE_JOINTS, back_angle, back_exposure};
 pub use drivers::{
     Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
-    rula_step_shares,
+    rula_step_courses, rula_step_shares,
 };
 pub use en1005_4::{EN_1005_4_PROVENANCE, PostureUse, en_1005_4};
 pub use exposure::{
@@ -89,6 +91,7 @@ pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };
 pub use timeline::{Clock, Hold, PartTimeline, Shown, TimeRules};
+pub use unpaired::{UnpairedDifference, unpaired_difference};
 pub use worksheet::Worksheet;
 pub use zones::{
     PartTimes, PartZone, PostureZone, STATIC_FROM_S, ZoneHold, ZonePart, ZoneSettings, zone_times,

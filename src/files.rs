@@ -2,12 +2,14 @@
 
 mod error;
 mod memory;
+mod number;
 mod output;
 mod table;
 mod text;
 
 pub use error::{InputError, suggest};
 pub use memory::{peak_memory_mib, restart_peak_memory};
+pub use number::null_as_nan;
 pub use output::{OutputFolder, write_whole};
 pub use table::NumericTable;
 pub use text::{parse_toml, read_bytes, read_text, sha256_hex};

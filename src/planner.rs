@@ -3,6 +3,7 @@
 //! ```text
 //! space      white numbers              ─► via-points, and start, goal, base ... where they are free
 //! prepare    QP, robot, obstacles       ─► feasible path | why not, and what would help (causes)
+//! near       robot against people       ─► share of repetitions nearer than the margin
 //! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
 //! finalists  the best on fresh people by successive halving, every baseline, the user's own
 //! pipeline   one more block of people   ─► the figures that are reported
@@ -12,23 +13,33 @@
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
+mod apart;
 mod causes;
+mod cell_look;
+mod cell_sensitivity;
 mod evaluate;
 mod explain;
 mod filming;
 mod finalists;
 mod lens;
+mod moments;
+mod near;
 mod objective;
 mod pipeline;
 mod prepare;
 mod preset;
+mod recommend;
 mod result;
 mod resume;
+mod robot_words;
 mod scene;
 mod search;
 mod searches;
 mod space;
+mod stored;
 
+pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
+pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use objective::Figures;
 pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
 pub use preset::{Objective, Preset, load_preset, preset_names};
@@ -36,3 +47,4 @@ pub use result::*;
 pub use resume::Checkpoint;
 pub use scene::*;
 pub use search::{SearchState, Tried};
+pub use stored::{Freshness, freshness, parse_result, read_result, result_file};

@@ -5,7 +5,8 @@
 //!           ─► tables  candidates.csv, paths/<rank>.csv
 //!           ─► figure_* on sheet, panel, style   figures/*.png
 //!           ─► page*   report.html, with scene.js and sort.js in it
-//! result.json of several runs ─► comparison     comparison.csv, comparison.html
+//! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
+//! CellLook ─► figure_cell   the cell before planning, PNG
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
 //! gains with their intervals     ─► figure_forest                             PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
@@ -15,14 +16,22 @@
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
 
 mod comparison;
+mod comparison_figure;
+mod comparison_page;
+mod comparison_table;
 mod figure_box;
+mod figure_cell;
 mod figure_forest;
 mod figure_growth;
+mod figure_heat;
 mod figure_paths;
+mod figure_population;
+mod figure_postures;
 mod figure_scores;
 mod filled;
 mod filled_page;
 mod page;
+mod page_advice;
 mod page_evidence;
 mod page_scene;
 mod page_scores;
@@ -36,8 +45,12 @@ mod tests;
 mod value_axis;
 mod view;
 
-pub use comparison::{ComparisonRow, Difference, RowState, comparison};
+pub use comparison::{
+    ComparedBody, ComparedPath, ComparedRun, Comparison, NamedRun, Role, RowState, RunDifference,
+    comparison,
+};
 pub use figure_box::{BoxPanel, box_plots};
+pub use figure_cell::cell_figure;
 pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use filled_page::{Picked, sheet_files};
@@ -71,7 +84,15 @@ pub enum ReportError {
 
 /// All files of a run, as (name, bytes).
 pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let view = View::of(result);
+    files_again(result, None)
+}
+
+/// The same, of a run that was read back; with what has changed since, if anything has.
+pub fn files_again(
+    result: &RunResult,
+    out_of_date: Option<&str>,
+) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let view = View { out_of_date, ..View::of(result) };
     let mut files = vec![
         ("result.json".to_owned(), result_json(result)?.into_bytes()),
         ("candidates.csv".to_owned(), tables::candidates(result)?),
@@ -98,6 +119,10 @@ pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> 
             over_time: figure_scores::over_time(&view)?,
             levels: figure_scores::levels(&view)?,
             parts: figure_scores::parts(&view)?,
+            parts_over_time: figure_heat::heat(&view)?,
+            postures: figure_postures::postures(&view)?,
+            distributions: figure_population::distributions(&view)?,
+            population: figure_population::population(&view)?,
         })
     });
     let figures = page::Figures { paths: figure_paths::paths(&view)?, scores: scores.transpose()? };
@@ -107,6 +132,14 @@ pub fn files(result: &RunResult) -> Result<Vec<(String, Vec<u8>)>, ReportError> 
         files.push(("figures/rula_over_time.png".to_owned(), scores.over_time));
         files.push(("figures/levels.png".to_owned(), scores.levels));
         files.push(("figures/parts.png".to_owned(), scores.parts));
+        files.push(("figures/distributions.png".to_owned(), scores.distributions));
+        for (name, figure) in [
+            ("parts_over_time", scores.parts_over_time),
+            ("postures", scores.postures),
+            ("population", scores.population),
+        ] {
+            files.extend(figure.map(|png| (format!("figures/{name}.png"), png)));
+        }
     }
     Ok(files)
 }

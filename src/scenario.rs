@@ -15,6 +15,7 @@ mod source;
 mod task;
 mod worker;
 
+pub use cell::PersonMargin;
 pub use check::Scenario;
 pub use file::{OtherArm, PosturePick};
 pub use freedom::{Freedom, Freedoms, TURN_ON_THE_WAY, Variant};

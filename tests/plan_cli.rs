@@ -2,63 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-use assert_cmd::Command;
-use ergopath::human::{Body, Side};
-use ergopath::posture::{save_model, simulated_operator};
+mod common;
+
+use common::{ergopath, files, plan, workplace};
 use predicates::prelude::*;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
-
-/// A folder with a scenario that plans fast, and a made-up posture model.
-fn workplace() -> (TempDir, PathBuf) {
-    let room = tempfile::tempdir().unwrap();
-    let body = Body::load("female_p50", Path::new(".")).unwrap();
-    let model = simulated_operator(&body, Side::Right).unwrap();
-    save_model(&model, &room.path().join("operator.json")).unwrap();
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench_pick_and_place.toml");
-    let text = std::fs::read_to_string(shipped).unwrap();
-    let text = text.replace("\"demo_operator\"", "\"operator.json\"");
-    let planner = "schema = \"ergopath/planner/1\"\nname = \"tiny\"\nvias = 1\nnamed_offset_m = 0.1\n\
-                   sampled_offset_m = 0.1\npopulation = 4\ngenerations = 2\nruns = 1\n\
-                   baseline_generations = 1\nsteps = 30\nrollouts_first = 2\nrollouts_most = 3\n\
-                   shortlist = 2\nreported = 2\n\
-                   rollouts_final = 6\n[objective]\nexpected_rula = 1.0\nexpected_reba = 0.0\n\
-                   cvar90_rula = 0.0\nexposure_rula_5 = 0.0\n";
-    std::fs::write(room.path().join("tiny.toml"), planner).unwrap();
-    let scenario = room.path().join("bench.toml");
-    std::fs::write(&scenario, text).unwrap();
-    (room, scenario)
-}
-
-fn ergopath() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_ergopath"))
-}
-
-fn plan(room: &TempDir, scenario: &Path, output: &str) -> Command {
-    let mut command = ergopath();
-    command.arg("plan").arg(scenario).arg("-o").arg(room.path().join(output));
-    command.arg("--planner").arg(room.path().join("tiny.toml"));
-    command
-}
-
-/// All files below a folder with their bytes.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut all = BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(at) = open.pop() {
-        for entry in at.read_dir().unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else {
-                let name = path.strip_prefix(folder).unwrap().display().to_string();
-                all.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    all
-}
+use std::path::Path;
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
@@ -202,6 +150,12 @@ fn bad_values_are_named() {
     );
     refused("size_m = [0.8, 1.6, 0.72]", "size_m = [0.8, -1.6, 0.72]", 2, &["bench", "above 0"]);
     refused("ergopath/scenario/1", "ergopath/scenario/2", 2, &["schema"]);
+    let limits = "speed_m_s = 0.5";
+    let with = |key: &str| format!("{limits}\n{key}");
+    let (far, share) = ("limits.person_clearance_m", "limits.person_clearance_share");
+    refused(limits, &with("person_clearance_m = 50"), 2, &[far, "0 to 1", "metres"]);
+    refused(limits, &with("person_clearance_share = 5"), 2, &[share, "0 to 1"]);
+    refused(limits, &with("person_clearence_m = 0.05"), 2, &["did you mean `person_clearance_m`?"]);
 }
 
 #[test]
@@ -231,6 +185,9 @@ fn what_cannot_be_done_is_explained() {
     let slow = "preset = \"panda\"\nlimit = [{ joint = \"panda_joint1\", velocity_rad_s = 0.05 }]";
     let longer = &["joint `panda_joint1`", "instead of 4.00 s", "instead of 0.05 rad/s"];
     refused("preset = \"panda\"", slow, 3, longer);
+    let wide = "speed_m_s = 0.5\nperson_clearance_m = 0.5";
+    let near = &["comes nearer than 500 mm to body `female_p50`", "Nearest to feasible is"];
+    refused("speed_m_s = 0.5", wide, 3, near);
     refused("max_m = [0.80, 0.60, 1.60]", "max_m = [2.80, 0.60, 1.60]", 0, &[]);
 }
 
@@ -294,12 +251,12 @@ fn turning_and_moving_the_whole_cell_changes_nothing() {
 }
 
 #[test]
-fn a_batch_survives_a_broken_scenario_and_runs_can_be_compared() {
+fn a_batch_survives_a_broken_scenario() {
     let (room, scenario) = workplace();
     let broken = room.path().join("broken.toml");
     let text = std::fs::read_to_string(&scenario).unwrap();
     std::fs::write(&broken, text.replace("facing_deg", "facing_degree")).unwrap();
-    let (out, both) = (room.path().join("batch"), room.path().join("both"));
+    let out = room.path().join("batch");
     let mut batch = ergopath();
     batch.arg("batch").arg(&scenario).arg(&broken).arg("-o").arg(&out);
     batch.arg("--planner").arg(room.path().join("tiny.toml")).assert().success();
@@ -311,26 +268,6 @@ fn a_batch_survives_a_broken_scenario_and_runs_can_be_compared() {
     // The same bytes as a plan of its own, but for nothing.
     plan(&room, &scenario, "alone").assert().success();
     assert!(files(&out.join("bench")) == files(&room.path().join("alone")));
-
-    ergopath()
-        .arg("compare")
-        .arg(&out)
-        .arg(room.path().join("alone"))
-        .arg("-o")
-        .arg(&both)
-        .assert()
-        .success();
-    let table = std::fs::read_to_string(both.join("comparison.csv")).unwrap();
-    assert_eq!(table.lines().count(), 3, "{table}");
-    ergopath()
-        .arg("compare")
-        .arg(room.path())
-        .arg("-o")
-        .arg(&both)
-        .assert()
-        .code(0)
-        .stdout(predicate::str::contains("alone"));
-    ergopath().arg("compare").arg("nowhere").arg("-o").arg(&both).assert().code(2);
 }
 
 #[test]

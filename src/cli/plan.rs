@@ -293,8 +293,16 @@ fn print_certificates(result: &RunResult) {
             "  limits         {} checks on a grid ten times finer than the path's: {kept}",
             path.checks.len()
         );
+        say!("  robot          {}", path.self_clearance);
     }
     for b in &best.bodies {
+        if let Some(near) = &b.person_clearance {
+            say!(
+                "  to the person  {}: {} (a planning margin, not a safety function)",
+                b.body,
+                near.sentence()
+            );
+        }
         say!(
             "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {:.0} %; \
              beyond the training data {:.0} % of the path",

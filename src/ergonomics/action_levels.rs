@@ -3,10 +3,11 @@
 use super::exposure::ScoreDistribution;
 use super::reba::{REBA_WORST, reba_action_level, reba_action_words};
 use super::rula::{RULA_WORST, rula_action_level, rula_action_words};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// One action level in the distribution of a score.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ActionLevelShare {
     /// The level: RULA 1-4, REBA 0-4.
     pub level: u8,
@@ -15,7 +16,7 @@ pub struct ActionLevelShare {
     /// Highest score of the level.
     pub to_score: u8,
     /// What it asks for.
-    pub words: &'static str,
+    pub words: Cow<'static, str>,
     /// Share of the time at exactly this level, mean over rollouts; the levels add up to 1.
     pub share: f64,
     /// Share of the time at this level or above, mean over rollouts.
@@ -59,7 +60,7 @@ fn levels(
                 level,
                 from_score,
                 to_score,
-                words: words(level),
+                words: words(level).into(),
                 share: exposure - above,
                 exposure,
                 exposure_se: error(&scores.exposure_se),

@@ -2,13 +2,13 @@
 //! scores.
 
 use crate::math::stats::{cvar_upper, mean, quantile, quantile_of_sorted, standard_error};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Usual duration for [`ScoreDistribution::p_at_least`], s.
 pub const P_AT_LEAST_S: f64 = 0.5;
 
 /// Scores over time across rollouts.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BandOverTime {
     /// Mean over rollouts at each time.
     pub mean: Vec<f64>,
@@ -19,7 +19,7 @@ pub struct BandOverTime {
 }
 
 /// Distribution of one score over rollouts `r` and times `t`; `S_r` is the time mean of rollout `r`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScoreDistribution {
     /// Mean of `S_r`. A mean of an ordinal score: it ranks, it does not measure.
     pub expected: f64,

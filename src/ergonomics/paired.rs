@@ -1,22 +1,26 @@
 //! Whether one path is better than another for the same people, and that in words.
 
+use crate::files::null_as_nan;
 use crate::math::stats::{mean, std_dev};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Pairs below which a comparison carries a warning. A choice of this project: means of fewer scores
 /// in steps of one are too far from the normal law for Student's interval.
 pub const FEW_PAIRS: usize = 10;
 
 /// Difference of two paths on the same rollouts.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PairedDifference {
     /// Number of pairs.
     pub n: usize,
     /// Mean of `a - b`.
+    #[serde(deserialize_with = "null_as_nan")]
     pub mean: f64,
     /// Lower end of the 95 % confidence interval.
+    #[serde(deserialize_with = "null_as_nan")]
     pub low95: f64,
     /// Upper end of the 95 % confidence interval.
+    #[serde(deserialize_with = "null_as_nan")]
     pub high95: f64,
     /// Whether the interval leaves 0 out: the paths do differ.
     pub clear: bool,
@@ -97,7 +101,7 @@ pub fn paired_difference(a: &[f64], b: &[f64]) -> PairedDifference {
 
 /// 97.5 % quantile of Student's t: tabulated up to 4 degrees of freedom, then the Cornish-Fisher
 /// series about the normal quantile (Abramowitz and Stegun 26.7.5), good to 1e-3.
-fn t_critical_975(degrees: usize) -> f64 {
+pub(super) fn t_critical_975(degrees: usize) -> f64 {
     const FEW: [f64; 4] = [12.706_205, 4.302_653, 3.182_446, 2.776_445];
     const Z: f64 = 1.959_963_985;
     if let Some(t) = degrees.checked_sub(1).and_then(|i| FEW.get(i)) {

@@ -15,13 +15,13 @@ use super::angles::{ArmAngles, TrunkNeckAngles};
 use super::assess::{TaskInputs, worksheet};
 use super::profile::Profile;
 use super::worksheet::Worksheet;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Middle of the elbow's band of 60 to 100 deg, deg.
 const ELBOW_NEUTRAL_DEG: f64 = 80.0;
 
 /// A part of the body with thresholds of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyPart {
     /// Upper arm: flexion, abduction, raised shoulder.
@@ -131,7 +131,7 @@ fn away(angle: f64, by: f64) -> f64 {
 }
 
 /// Expected scores of both methods.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ExpectedScores {
     /// Expected RULA.
     pub rula: f64,
@@ -140,7 +140,7 @@ pub struct ExpectedScores {
 }
 
 /// Expected scores with laxer, official and stricter thresholds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ThresholdBand {
     /// The part whose thresholds move; `None` for all parts together.
     pub part: Option<BodyPart>,
@@ -151,7 +151,7 @@ pub struct ThresholdBand {
 }
 
 /// Sensitivity of the expected scores to the place of the thresholds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ThresholdSensitivity {
     /// How far the thresholds were moved either way, deg.
     pub by_deg: f64,

@@ -54,7 +54,7 @@ fn misplaced(end: &'static str, at: &Vec3, scene: &Scene) -> Option<Projection> 
         if distance < 0.0 {
             let reason = format!("{end} inside obstacle `{name}`, {:.0} mm deep", -distance * 1e3);
             let to_m = at - normal * distance;
-            let moved = Change::MoveEnd { end, by_m: -distance, to_m };
+            let moved = Change::MoveEnd { end: end.into(), by_m: -distance, to_m };
             let smaller = Change::ShrinkObstacle { name: name.clone(), by_m: -distance };
             return Some(infeasible(Cause::Obstacle, &reason, vec![moved, smaller]));
         }
@@ -68,7 +68,8 @@ fn misplaced(end: &'static str, at: &Vec3, scene: &Scene) -> Option<Projection> 
                 reach.body,
                 by_m * 1e3
             );
-            let moved = Change::MoveEnd { end, by_m, to_m: at - way.normalize() * by_m };
+            let moved =
+                Change::MoveEnd { end: end.into(), by_m, to_m: at - way.normalize() * by_m };
             let nearer = Change::ExtendReach { body: reach.body.clone(), by_m };
             return Some(infeasible(Cause::Reach, &reason, vec![moved, nearer]));
         }
@@ -86,7 +87,7 @@ fn into_the_box(start: &Pose, goal: &Pose, limits: &PathLimits) -> Vec<Change> {
         let to_m = Vec3::from_fn(|i, _| at[i].max(inner.min[i]).min(inner.max[i]));
         if to_m != at {
             crossed += 1;
-            changes.push(Change::MoveEnd { end, by_m: (to_m - at).norm(), to_m });
+            changes.push(Change::MoveEnd { end: end.into(), by_m: (to_m - at).norm(), to_m });
         }
     }
     // Two ends outside: neither move is enough alone.

@@ -1,11 +1,12 @@
 //! What would have to change for a path to exist, in the user's words.
 
 use crate::math::Vec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 /// One thing to change, everything else as it is. Lengths in m, times in s, angles in rad.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "change", rename_all = "snake_case")]
 pub enum Change {
     /// More time.
@@ -18,9 +19,9 @@ pub enum Change {
     /// A higher limit of the TCP.
     Limit {
         /// Which: "speed", "acceleration", "jerk", "angular speed" or "angular acceleration".
-        name: &'static str,
+        name: Cow<'static, str>,
         /// Its unit.
-        unit: &'static str,
+        unit: Cow<'static, str>,
         /// Given.
         from: f64,
         /// Needed.
@@ -29,7 +30,7 @@ pub enum Change {
     /// Another start or goal.
     MoveEnd {
         /// "start" or "goal".
-        end: &'static str,
+        end: Cow<'static, str>,
         /// How far, m.
         by_m: f64,
         /// To where, world, m.
@@ -68,13 +69,20 @@ pub enum Change {
         /// The joint.
         joint: String,
         /// "position", "speed" or "acceleration".
-        of: &'static str,
+        of: Cow<'static, str>,
         /// Its unit.
-        unit: &'static str,
+        unit: Cow<'static, str>,
         /// Given.
         from: f64,
         /// Needed.
         to: f64,
+    },
+    /// Robot or person farther from the other.
+    MoveApart {
+        /// "robot's base" or "worker".
+        what: Cow<'static, str>,
+        /// By how much, m.
+        by_m: f64,
     },
     /// A path, or a robot base, that is nearer.
     RobotReach {
@@ -126,6 +134,12 @@ impl fmt::Display for Change {
                 "a limit of {:.2} {unit} instead of {from:.2} {unit} on the {of} of joint `{joint}`",
                 up(*to)
             ),
+            Self::MoveApart { what, by_m } if what == "worker" => {
+                write!(f, "the worker {:.0} mm farther from the robot", mm(by_m))
+            }
+            Self::MoveApart { what, by_m } => {
+                write!(f, "the {what} {:.0} mm farther from the worker", mm(by_m))
+            }
             Self::RobotReach { by_m, at_s } => {
                 write!(f, "a path or a robot base that is {:.0} mm nearer at {at_s:.2} s", mm(by_m))
             }

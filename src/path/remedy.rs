@@ -47,7 +47,12 @@ pub fn smallest_changes(
     }
     for (name, unit, from, set) in raised(limits) {
         if let Some(factor) = least_factor(|f| is_enough(&set(from * f), duration)) {
-            found.push(Change::Limit { name, unit, from, to: from * factor });
+            found.push(Change::Limit {
+                name: name.into(),
+                unit: unit.into(),
+                from,
+                to: from * factor,
+            });
         }
     }
     let step_s = duration / settings.steps as f64;

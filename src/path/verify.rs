@@ -7,11 +7,12 @@
 
 use super::limits::{Box3, PathLimits};
 use super::smooth::SmoothPath;
+use crate::files::null_as_nan;
 use crate::math::Vec3;
 use crate::math::pose::rotation_between;
 use crate::trajectory::TimedPath;
 use nalgebra::UnitQuaternion;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 mod around;
 
@@ -26,7 +27,7 @@ const TOLERANCE: f64 = 1e-9;
 const LEAST_STEP_S: f64 = 0.02;
 
 /// What is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Speed, m/s.
@@ -112,11 +113,12 @@ impl Quantity {
 }
 
 /// The worst value of one quantity along a path.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// What was measured.
     pub quantity: Quantity,
     /// Its largest value; infinite if it was no number anywhere.
+    #[serde(deserialize_with = "null_as_nan")]
     pub value: f64,
     /// What it may be.
     pub limit: f64,

@@ -7,21 +7,23 @@ use super::scene::Scene;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
 };
+use crate::files::null_as_nan;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
 use crate::scenario::{Origin, Task};
 use nalgebra::DVector;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Schema id and version of `result.json`.
 pub const RESULT_SCHEMA: &str = "ergopath/result/1";
 
 /// A finished run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunResult {
     /// [`RESULT_SCHEMA`].
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Where it comes from.
     pub provenance: RunProvenance,
     /// The decision in words.
@@ -38,6 +40,10 @@ pub struct RunResult {
     pub setting: Setting,
     /// The posture model.
     pub posture_model: ModelSummary,
+    /// Postures of the best path that a reader wants to see, of the body of the verdict.
+    pub moments: Vec<Moment>,
+    /// What would lower the score of the best path; none without one.
+    pub recommendations: Option<Recommendations>,
     /// What the reader should know.
     pub warnings: Vec<String>,
     /// What is not part of the model.
@@ -56,7 +62,7 @@ pub struct RunResult {
 }
 
 /// One search of a run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SearchSummary {
     /// Its name.
     pub name: String,
@@ -67,13 +73,16 @@ pub struct SearchSummary {
 }
 
 /// The best path among people that another seed draws (worst body).
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Certificate {
     /// Expected RULA among the reported people.
+    #[serde(deserialize_with = "null_as_nan")]
     pub expected_rula: f64,
     /// Expected RULA among as many people of the next seed.
+    #[serde(deserialize_with = "null_as_nan")]
     pub expected_rula_other_seed: f64,
     /// Half width of the 95 % interval of their difference.
+    #[serde(deserialize_with = "null_as_nan")]
     pub half_width95: f64,
     /// People of each.
     pub people: usize,
@@ -95,10 +104,10 @@ pub struct RolloutTable {
 }
 
 /// How to make the run again.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunProvenance {
     /// Version of ergopath.
-    pub program_version: &'static str,
+    pub program_version: Cow<'static, str>,
     /// The canonical command.
     pub command: String,
     /// Seed of all randomness.
@@ -110,7 +119,7 @@ pub struct RunProvenance {
 }
 
 /// The decision.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Verdict {
     /// One sentence.
     pub headline: String,
@@ -119,14 +128,14 @@ pub struct Verdict {
     /// Id of the best feasible path, if there is one.
     pub best: Option<String>,
     /// Where no path is feasible: the smallest change of each kind that would help, alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// "demonstration model, not your workers", when that applies.
     pub caveat: Option<String>,
 }
 
 /// One path.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CandidateResult {
     /// 1 is best; none for a path that is not feasible.
     pub rank: Option<usize>,
@@ -139,7 +148,7 @@ pub struct CandidateResult {
     /// Stage up to which it was evaluated.
     pub evaluated: Evaluated,
     /// What would make a path that is not feasible possible, each alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
@@ -157,7 +166,7 @@ pub struct CandidateResult {
 }
 
 /// Whether a path can be used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Status {
     /// All limits are kept.
@@ -169,7 +178,7 @@ pub enum Status {
     },
     /// It cannot be used.
     Infeasible {
-        /// "path", "robot", "obstacle" or "worker".
+        /// "path", "robot", "obstacle", "worker" (out of reach) or "person" (too near).
         stage: String,
         /// Why, in one sentence.
         reason: String,
@@ -177,7 +186,7 @@ pub enum Status {
 }
 
 /// How far a path came.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evaluated {
     /// Refused before any rollout.
@@ -189,10 +198,12 @@ pub enum Evaluated {
 }
 
 /// Scores of one body along one path.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BodyScores {
     /// Name of the body.
     pub body: String,
+    /// How near the robot comes to this person; none without shapes or motion of the robot.
+    pub person_clearance: Option<PersonClearance>,
     /// Number of rollouts.
     pub rollouts: usize,
     /// RULA of the coupled side.
@@ -216,6 +227,7 @@ pub struct BodyScores {
     /// Largest distance of the hand from the path over all rollouts, mm.
     pub hand_residual_max_mm: f64,
     /// Root mean square of that distance, mm.
+    #[serde(deserialize_with = "null_as_nan")]
     pub hand_residual_rms_mm: f64,
     /// Largest angle between hand and path, deg.
     pub hand_residual_max_deg: f64,
@@ -224,6 +236,7 @@ pub struct BodyScores {
     /// Share of start postures beyond the 99 % quantile of the training postures.
     pub unusual_starts: f64,
     /// Mean Mahalanobis distance of the start postures.
+    #[serde(deserialize_with = "null_as_nan")]
     pub start_distance: f64,
     /// The steps of RULA over people and time.
     pub parts: Vec<PartScore>,
@@ -231,11 +244,59 @@ pub struct BodyScores {
     pub reba_parts: Vec<PartScore>,
 }
 
+/// How near the robot comes to one person over the repetitions, the coupled hand and forearm at the
+/// robot's wrist excepted. A planning margin, not a safety function.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PersonClearance {
+    /// Repetitions that were looked at.
+    pub repetitions: usize,
+    /// Distance that is to be kept, m.
+    pub margin_m: f64,
+    /// Share of repetitions that may come nearer.
+    pub share_allowed: f64,
+    /// Share that does, at any moment.
+    pub share_below: f64,
+    /// Least distance over repetitions and time, m; below zero the capsules overlap.
+    pub min_m: f64,
+    /// 5th percentile over repetitions of the least distance over time, m.
+    pub p05_m: f64,
+    /// Link of the robot at the least distance.
+    pub link: String,
+    /// Body part there.
+    pub body_part: String,
+    /// When, s.
+    pub time_s: f64,
+}
+
+impl PersonClearance {
+    /// Whether the constraint is kept.
+    pub fn is_kept(&self) -> bool {
+        self.share_below <= self.share_allowed
+    }
+
+    /// All of it in one sentence.
+    pub fn sentence(&self) -> String {
+        format!(
+            "nearest {:.0} mm (link `{}` and the {} at {:.2} s), 5th percentile {:.0} mm; {:.1} % of {} \
+             repetitions nearer than {:.0} mm, {:.1} % allowed",
+            1e3 * self.min_m,
+            self.link,
+            self.body_part,
+            self.time_s,
+            1e3 * self.p05_m,
+            100.0 * self.share_below,
+            self.repetitions,
+            1e3 * self.margin_m,
+            100.0 * self.share_allowed
+        )
+    }
+}
+
 /// One body part's share in the score.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PartScore {
     /// Name of the step.
-    pub part: &'static str,
+    pub part: Cow<'static, str>,
     /// Mean step score.
     pub mean: f64,
     /// Drop of the expected total if this step alone were at its lowest.
@@ -244,10 +305,13 @@ pub struct PartScore {
     pub drives_se: Option<f64>,
     /// Share of the time at which the total would be lower with this step at its lowest.
     pub drives_share: f64,
+    /// Mean score at each time of the path, to three decimals; of RULA only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub over_time: Vec<f64>,
 }
 
 /// A path over time.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PathData {
     /// Times, s.
     pub time_s: Vec<f64>,
@@ -268,12 +332,14 @@ pub struct PathData {
     pub joint_trajectory: Option<JointTrajectory>,
     /// Smallest clearance to an obstacle, m, with what meets what.
     pub clearance: Option<(f64, String)>,
+    /// Smallest distance of the arm to itself in words, or why it was not checked.
+    pub self_clearance: String,
     /// How far the QP moved the path, m.
     pub moved_m: f64,
 }
 
 /// The mean posture and the robot at one moment, as line segments in the world, m.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PosePicture {
     /// Body.
     pub body: String,
@@ -286,7 +352,7 @@ pub struct PosePicture {
 }
 
 /// The best path against another, paired over people.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Comparison {
     /// Id of the best path.
     pub best: String,
@@ -301,7 +367,7 @@ pub struct Comparison {
 }
 
 /// One input of the scores.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InputOrigin {
     /// What.
     pub input: String,
@@ -314,7 +380,7 @@ pub struct InputOrigin {
 }
 
 /// Sensitivity to an assumed input.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IfChanged {
     /// The other value.
     pub to: String,
@@ -325,7 +391,7 @@ pub struct IfChanged {
 }
 
 /// The cell in words and numbers.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Setting {
     /// Scenario name.
     pub name: String,
@@ -354,12 +420,12 @@ pub struct Setting {
 }
 
 /// The posture model in words and numbers.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ModelSummary {
     /// Its name.
     pub name: String,
     /// Its method.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// Simulated operator?
     pub simulated: bool,
     /// The body on which it was learned, and those to which it is applied.
@@ -370,4 +436,53 @@ pub struct ModelSummary {
     pub quality: Vec<MethodQuality>,
     /// Remarks of the training.
     pub notes: Vec<String>,
+}
+
+/// One posture of one repetition.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Moment {
+    /// What it shows.
+    pub what: String,
+    /// Body.
+    pub body: String,
+    /// Number of the repetition, from 0.
+    pub repetition: usize,
+    /// When, s.
+    pub time_s: f64,
+    /// For how long it is held, s; of the longest hold only.
+    pub held_s: Option<f64>,
+    /// RULA at that moment.
+    pub rula: u8,
+    /// REBA at that moment.
+    pub reba: u8,
+    /// Body angles by name, deg.
+    pub angles_deg: Vec<(String, f64)>,
+    /// Bones of the person, world, m.
+    pub bones: Vec<[[f64; 3]; 2]>,
+}
+
+/// Changes that were tried on the best path, its body of the verdict and the same people.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recommendations {
+    /// Number of changes that were tried.
+    pub tried: usize,
+    /// People behind each.
+    pub people: usize,
+    /// Those that clearly lower expected RULA, best first; of each direction the best step.
+    pub clear: Vec<Recommendation>,
+}
+
+/// A change with its effect.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recommendation {
+    /// What to do.
+    pub what: String,
+    /// Expected RULA with the change minus without.
+    pub rula: PairedDifference,
+    /// Expected RULA without and with it.
+    pub expected_rula: [f64; 2],
+    /// Expected REBA without and with it.
+    pub expected_reba: [f64; 2],
+    /// Share of time at RULA 5 or more without and with it.
+    pub exposure_rula_5: [f64; 2],
 }

@@ -1,15 +1,21 @@
-//! Several runs side by side, from their `result.json`: `comparison.csv` and `comparison.html`.
+//! Several finished runs side by side: what is compared, and which intervals may be drawn.
+//!
+//! Rollout r of two runs is the same person where seed, posture model and body are the same and the same
+//! program drew it: then the difference of two runs is paired over people. Otherwise the interval is that
+//! of two groups, and the reason stands beside it.
 
 use super::ReportError;
-use super::page::document;
-use super::style::{RULA_LEVELS, css};
-use super::view::{change, percent, score};
-use crate::planner::RESULT_SCHEMA;
-use maud::{Markup, html};
-use serde_json::Value;
+use super::comparison_figure::cells;
+use super::comparison_page::page;
+use super::comparison_table::table;
+use crate::ergonomics::{PairedDifference, paired_difference, unpaired_difference};
+use crate::path::Family;
+use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult};
+use serde::Serialize;
 
 /// How a run ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(tag = "state", content = "reason", rename_all = "kebab-case")]
 pub enum RowState {
     /// A path was found.
     Ok,
@@ -19,9 +25,50 @@ pub enum RowState {
     Failed(String),
 }
 
-/// The best path's expected RULA minus another's, over the same people.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Difference {
+/// What a path is in its run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// The best path.
+    Best,
+    /// The straight path, where it is not the best.
+    Straight,
+    /// The user's own, where it is not the best.
+    Own,
+}
+
+/// Scores of one path for one body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedPath {
+    /// What it is.
+    pub role: Role,
+    /// Its name.
+    pub id: String,
+    /// Share of time at RULA 5 or more: mean over people, 5th and 95th percentile.
+    pub exposure_rula_5: [f64; 3],
+    /// Shares of time at each RULA score or above, index the score.
+    pub rula_at_least: Vec<f64>,
+    /// Expected RULA.
+    pub expected_rula: f64,
+    /// 5th percentile of the mean RULA of a repetition.
+    pub p05_rula: f64,
+    /// 95th percentile.
+    pub p95_rula: f64,
+    /// Mean RULA of the worst tenth.
+    pub cvar90_rula: f64,
+    /// Expected REBA.
+    pub expected_reba: f64,
+    /// Share of repetitions in which the hand cannot follow.
+    pub reach_exceeded: f64,
+    /// Best minus this path, over the same people; none for the best.
+    pub best_minus_this: Option<PairedDifference>,
+}
+
+/// This run's best path minus the best path of the run that it is held against, expected RULA.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunDifference {
+    /// Body of the other run.
+    pub other_body: String,
     /// Mean difference.
     pub mean: f64,
     /// Lower end of the 95 % interval.
@@ -30,39 +77,45 @@ pub struct Difference {
     pub high95: f64,
     /// Whether the interval leaves 0 out.
     pub clear: bool,
+    /// People of this and of the other run that were compared.
+    pub people: [usize; 2],
+    /// None if rollout r is the same person in both; else why it is not.
+    pub unpaired_because: Option<String>,
 }
 
-/// One run of a comparison: what can be read back from its `result.json`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ComparisonRow {
+/// One body size in a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedBody {
+    /// Name of the body.
+    pub body: String,
+    /// The best path first, then the straight one and the user's own.
+    pub paths: Vec<ComparedPath>,
+    /// Against the other run; none for that run itself and for runs without a path.
+    pub against: Option<RunDifference>,
+}
+
+/// One run of a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedRun {
     /// Name of the run: its folder or scenario.
     pub name: String,
+    /// How it ended.
+    #[serde(flatten)]
+    pub state: RowState,
     /// Name of the scenario, as it calls itself.
     pub scenario: String,
-    /// Id of the best path.
-    pub best: Option<String>,
-    /// Body for which the best path scores worst.
-    pub worst_body: Option<String>,
-    /// Share of time at RULA 5 or more.
-    pub exposure_rula_5: Option<f64>,
-    /// Shares of time at each RULA score or above, index the score.
-    pub rula_at_least: Vec<f64>,
-    /// Expected RULA.
-    pub expected_rula: Option<f64>,
-    /// 5th percentile of the mean RULA of a repetition.
-    pub p05_rula: Option<f64>,
-    /// 95th percentile.
-    pub p95_rula: Option<f64>,
-    /// Expected REBA.
-    pub expected_reba: Option<f64>,
-    /// Expected RULA of the straight path for the same body.
-    pub straight_rula: Option<f64>,
-    /// Best minus straight.
-    pub difference: Option<Difference>,
-    /// Share of repetitions in which the hand cannot follow.
-    pub reach_exceeded: Option<f64>,
-    /// How the run ended.
-    pub state: RowState,
+    /// Duration of the movement, s.
+    pub duration_s: Option<f64>,
+    /// Load on the hand, kg.
+    pub load_kg: Option<f64>,
+    /// Robot.
+    pub robot: String,
+    /// Posture model.
+    pub posture_model: String,
+    /// The bodies; empty without a feasible path.
+    pub bodies: Vec<ComparedBody>,
+    /// Index of the body for which the best path scores worst.
+    pub worst: Option<usize>,
     /// The words that stand in the verdict.
     pub caveat: Option<String>,
     /// SHA-256 of the scenario file.
@@ -73,24 +126,91 @@ pub struct ComparisonRow {
     pub seed: Option<u64>,
 }
 
-impl ComparisonRow {
-    /// A run that could not be made.
-    pub fn failed(name: &str, reason: &str) -> Self {
+/// Runs side by side, in the order in which they were named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Name of the run that the others are held against; none where no run has a path.
+    pub against: Option<String>,
+    /// The runs.
+    pub runs: Vec<ComparedRun>,
+}
+
+/// A run to compare: its name, and its result or why there is none.
+pub type NamedRun = (String, Result<RunResult, String>);
+
+impl Comparison {
+    /// Compares runs. `against` names the run that the others are held against; without it, or where it
+    /// has no path, the first that has one.
+    pub fn of(runs: &[NamedRun], against: Option<&str>) -> Self {
+        let has_path = |run: &&NamedRun| run.1.as_ref().is_ok_and(|r| best(r).is_some());
+        let named = runs.iter().filter(has_path).find(|r| Some(r.0.as_str()) == against);
+        let reference = named.or_else(|| runs.iter().find(has_path));
+        let against = reference.and_then(|(name, r)| Some((name.as_str(), r.as_ref().ok()?)));
+        Self {
+            against: against.map(|(name, _)| name.to_owned()),
+            runs: runs.iter().map(|run| ComparedRun::of(run, against)).collect(),
+        }
+    }
+
+    /// The runs by expected RULA of the body that scores worst; those without a path last.
+    pub fn ranked(&self) -> Vec<&ComparedRun> {
+        let key = |r: &ComparedRun| r.best().map_or(f64::INFINITY, |p| p.expected_rula);
+        let mut sorted: Vec<&ComparedRun> = self.runs.iter().collect();
+        sorted.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.name.cmp(&b.name)));
+        sorted
+    }
+}
+
+impl ComparedRun {
+    fn of((name, result): &NamedRun, against: Option<(&str, &RunResult)>) -> Self {
+        let result = match result {
+            Ok(result) => result,
+            Err(reason) => return Self::failed(name, reason),
+        };
+        let p = &result.provenance;
+        let mut run = Self {
+            scenario: result.setting.name.clone(),
+            duration_s: Some(result.setting.duration_s),
+            load_kg: Some(result.setting.task.load_kg),
+            robot: result.setting.robot.first().cloned().unwrap_or_default(),
+            posture_model: result.posture_model.name.clone(),
+            caveat: result.verdict.caveat.clone(),
+            scenario_sha256: p.inputs.first().map(|(_, h)| h.clone()).unwrap_or_default(),
+            program_version: p.program_version.clone().into_owned(),
+            seed: Some(p.seed),
+            ..Self::failed(name, "")
+        };
+        let Some(best) = best(result) else {
+            let reason = result.verdict.lines.first().cloned();
+            run.state =
+                RowState::NoFeasiblePath(reason.unwrap_or_else(|| "no reason is stored".into()));
+            return run;
+        };
+        run.state = RowState::Ok;
+        let is_itself = against.is_none_or(|(other, _)| other == name);
+        let other = against.filter(|_| !is_itself).map(|(_, r)| r);
+        let of_body = |b: &BodyScores| ComparedBody {
+            body: b.body.clone(),
+            paths: paths(result, best, &b.body),
+            against: other.and_then(|o| difference((result, b), o)),
+        };
+        run.bodies = best.bodies.iter().map(of_body).collect();
+        let expected = |i: &usize| best.bodies[*i].rula.expected;
+        run.worst = (0..best.bodies.len()).max_by(|a, b| expected(a).total_cmp(&expected(b)));
+        run
+    }
+
+    fn failed(name: &str, reason: &str) -> Self {
         Self {
             name: name.to_owned(),
-            scenario: String::new(),
-            best: None,
-            worst_body: None,
-            exposure_rula_5: None,
-            rula_at_least: Vec::new(),
-            expected_rula: None,
-            p05_rula: None,
-            p95_rula: None,
-            expected_reba: None,
-            straight_rula: None,
-            difference: None,
-            reach_exceeded: None,
             state: RowState::Failed(reason.to_owned()),
+            scenario: String::new(),
+            duration_s: None,
+            load_kg: None,
+            robot: String::new(),
+            posture_model: String::new(),
+            bodies: Vec::new(),
+            worst: None,
             caveat: None,
             scenario_sha256: String::new(),
             program_version: String::new(),
@@ -98,56 +218,18 @@ impl ComparisonRow {
         }
     }
 
-    /// Reads a run back; the error says what is missing.
-    pub fn from_result_json(name: &str, result: &Value) -> Result<Self, String> {
-        match result["schema"].as_str() {
-            Some(RESULT_SCHEMA) => {}
-            Some(other) => return Err(format!("schema is `{other}`, not `{RESULT_SCHEMA}`")),
-            None => return Err(format!("has no schema; `{RESULT_SCHEMA}` is expected")),
-        }
-        let text = |pointer: &str| -> Result<String, String> {
-            let found = result.pointer(pointer).and_then(Value::as_str);
-            found.map(str::to_owned).ok_or_else(|| format!("`{pointer}` is missing"))
-        };
-        let mut row = Self {
-            scenario: text("/setting/name")?,
-            caveat: text("/verdict/caveat").ok(),
-            scenario_sha256: text("/provenance/inputs/0/1")?,
-            program_version: text("/provenance/program_version")?,
-            seed: result["provenance"]["seed"].as_u64(),
-            ..Self::failed(name, "")
-        };
-        let candidates = result["candidates"].as_array().ok_or("`/candidates` is missing")?;
-        let Some(best) = result["verdict"]["best"].as_str() else {
-            let reason = text("/verdict/lines/0").unwrap_or_else(|_| "no reason is stored".into());
-            row.state = RowState::NoFeasiblePath(reason);
-            return Ok(row);
-        };
-        let of = |id: &str| candidates.iter().find(|c| c["id"] == id);
-        let found = of(best)
-            .ok_or_else(|| format!("the best path `{best}` is not among the candidates"))?;
-        let body =
-            worst_body(found).ok_or_else(|| format!("the best path `{best}` has no scores"))?;
-        let name_of_body = body["body"].as_str().unwrap_or_default();
-        let at_least = body["rula"]["exposure"].as_array();
-        row.rula_at_least = at_least.into_iter().flatten().filter_map(Value::as_f64).collect();
-        row.exposure_rula_5 = row.rula_at_least.get(5).copied();
-        row.expected_rula = body["rula"]["expected"].as_f64();
-        row.p05_rula = body["rula"]["p05"].as_f64();
-        row.p95_rula = body["rula"]["p95"].as_f64();
-        row.expected_reba = body["reba"]["expected"].as_f64();
-        row.reach_exceeded = body["reach_exceeded"].as_f64();
-        let straight = of("straight").and_then(|c| c["bodies"].as_array());
-        let straight = straight.into_iter().flatten().find(|b| b["body"] == name_of_body);
-        row.straight_rula = straight.and_then(|b| b["rula"]["expected"].as_f64());
-        row.difference = difference(result, name_of_body);
-        row.best = Some(best.to_owned());
-        row.worst_body = Some(name_of_body.to_owned());
-        row.state = RowState::Ok;
-        Ok(row)
+    /// The body for which the best path scores worst.
+    pub fn worst_body(&self) -> Option<&ComparedBody> {
+        self.bodies.get(self.worst?)
     }
 
-    fn state_words(&self) -> (&'static str, &str) {
+    /// The best path's scores for that body.
+    pub fn best(&self) -> Option<&ComparedPath> {
+        self.worst_body()?.paths.first()
+    }
+
+    /// State and reason in words.
+    pub fn state_words(&self) -> (&'static str, &str) {
         match &self.state {
             RowState::Ok => ("ok", ""),
             RowState::NoFeasiblePath(reason) => ("no feasible path", reason),
@@ -156,203 +238,108 @@ impl ComparisonRow {
     }
 }
 
-/// The scores of the body with the highest expected RULA.
-fn worst_body(candidate: &Value) -> Option<&Value> {
-    let expected = |b: &Value| b["rula"]["expected"].as_f64().unwrap_or(f64::NEG_INFINITY);
-    candidate["bodies"].as_array()?.iter().max_by(|a, b| expected(a).total_cmp(&expected(b)))
+/// The best path of a run, with scores.
+fn best(result: &RunResult) -> Option<&CandidateResult> {
+    let best = result.verdict.best.as_ref()?;
+    result.candidates.iter().find(|c| c.id == *best && !c.bodies.is_empty())
 }
 
-fn difference(result: &Value, body: &str) -> Option<Difference> {
-    let all = result["comparisons"].as_array()?;
-    let d = &all.iter().find(|c| c["other"] == "straight" && c["body"] == body)?["rula"];
-    Some(Difference {
-        mean: d["mean"].as_f64()?,
-        low95: d["low95"].as_f64()?,
-        high95: d["high95"].as_f64()?,
-        clear: d["clear"].as_bool()?,
+/// Best, straight and the user's own paths, for one body.
+fn paths(result: &RunResult, best: &CandidateResult, body: &str) -> Vec<ComparedPath> {
+    let others = |role: Role, family: Family| {
+        let is_one = move |c: &&CandidateResult| {
+            c.family == family && c.evaluated == Evaluated::Reported && c.id != best.id
+        };
+        result.candidates.iter().filter(is_one).map(move |c| (role, c))
+    };
+    let all = std::iter::once((Role::Best, best))
+        .chain(others(Role::Straight, Family::Straight))
+        .chain(others(Role::Own, Family::Drawn));
+    let of = |c: &CandidateResult| c.bodies.iter().find(|b| b.body == body).cloned();
+    let lead = of(best);
+    all.filter_map(|(role, c)| {
+        let b = of(c)?;
+        let pairs = lead.as_ref().filter(|_| role != Role::Best);
+        Some(ComparedPath {
+            role,
+            id: c.id.clone(),
+            exposure_rula_5: b.exposure_rula_5_band,
+            rula_at_least: b.rula.exposure.clone(),
+            expected_rula: b.rula.expected,
+            p05_rula: b.rula.p05,
+            p95_rula: b.rula.p95,
+            cvar90_rula: b.rula.cvar90,
+            expected_reba: b.reba.expected,
+            reach_exceeded: b.reach_exceeded,
+            best_minus_this: pairs
+                .map(|l| paired_difference(&l.rula_by_rollout, &b.rula_by_rollout)),
+        })
+    })
+    .collect()
+}
+
+/// A body's best path against the best path of another run: for the same body where it has one, else
+/// for the body that scores worst there.
+fn difference(
+    (result, own): (&RunResult, &BodyScores),
+    other: &RunResult,
+) -> Option<RunDifference> {
+    let theirs = best(other)?;
+    let worst = || super::view::worst_body(theirs);
+    let other_body = theirs.bodies.iter().find(|b| b.body == own.body).or_else(worst)?;
+    let because = not_the_same_people((result, &own.body), (other, &other_body.body));
+    let (a, b) = (&own.rula_by_rollout, &other_body.rula_by_rollout);
+    let (mean, low95, high95, clear, people) = if because.is_none() {
+        let d = paired_difference(a, b);
+        (d.mean, d.low95, d.high95, d.clear, [d.n, d.n])
+    } else {
+        let d = unpaired_difference(a, b);
+        (d.mean, d.low95, d.high95, d.clear, d.n)
+    };
+    Some(RunDifference {
+        other_body: other_body.body.clone(),
+        mean,
+        low95,
+        high95,
+        clear,
+        people,
+        unpaired_because: because,
     })
 }
 
-/// `comparison.csv` and `comparison.html`, sorted by expected RULA; runs without a path last.
-pub fn comparison(rows: &[ComparisonRow]) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let mut sorted: Vec<&ComparisonRow> = rows.iter().collect();
-    let key = |r: &ComparisonRow| r.expected_rula.unwrap_or(f64::INFINITY);
-    sorted.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.name.cmp(&b.name)));
-    Ok(vec![
-        ("comparison.csv".to_owned(), table(&sorted)?),
-        ("comparison.html".to_owned(), page(&sorted).into_bytes()),
-    ])
-}
-
-const COLUMNS: [&str; 20] = [
-    "name",
-    "scenario",
-    "state",
-    "best",
-    "worst_body",
-    "exposure_rula_5",
-    "expected_rula",
-    "p05_rula",
-    "p95_rula",
-    "expected_reba",
-    "straight_rula",
-    "difference_rula",
-    "difference_low95",
-    "difference_high95",
-    "reach_exceeded",
-    "caveat",
-    "scenario_sha256",
-    "program_version",
-    "seed",
-    "reason",
-];
-
-fn table(rows: &[&ComparisonRow]) -> Result<Vec<u8>, ReportError> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(COLUMNS)?;
-    for r in rows {
-        let (state, reason) = r.state_words();
-        let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
-        let text = |v: &Option<String>| v.clone().unwrap_or_default();
-        table.write_record([
-            r.name.clone(),
-            r.scenario.clone(),
-            state.to_owned(),
-            text(&r.best),
-            text(&r.worst_body),
-            number(r.exposure_rula_5),
-            number(r.expected_rula),
-            number(r.p05_rula),
-            number(r.p95_rula),
-            number(r.expected_reba),
-            number(r.straight_rula),
-            number(r.difference.map(|d| d.mean)),
-            number(r.difference.map(|d| d.low95)),
-            number(r.difference.map(|d| d.high95)),
-            number(r.reach_exceeded),
-            text(&r.caveat),
-            r.scenario_sha256.clone(),
-            r.program_version.clone(),
-            r.seed.map_or_else(String::new, |s| s.to_string()),
-            reason.to_owned(),
-        ])?;
-    }
-    table.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
-}
-
-fn page(rows: &[&ComparisonRow]) -> String {
-    let (done, without): (Vec<&&ComparisonRow>, Vec<_>) =
-        rows.iter().partition(|r| r.state == RowState::Ok);
-    let mut caveats: Vec<&str> = done.iter().filter_map(|r| r.caveat.as_deref()).collect();
-    caveats.sort_unstable();
-    caveats.dedup();
-    let intro = html! {
-        h1 { "Comparison of " (rows.len()) " runs" }
-        p { (done.len()) " with a path that keeps all limits, " (without.len()) " without." }
-        @for caveat in caveats {
-            @let n = done.iter().filter(|r| r.caveat.as_deref() == Some(caveat)).count();
-            p.caveat { "Caution, " (n) " of " (done.len()) " runs: " (caveat) }
-        }
+/// Why rollout r of one run is not the person of rollout r of the other; none if it is.
+fn not_the_same_people(
+    (a, body_a): (&RunResult, &str),
+    (b, body_b): (&RunResult, &str),
+) -> Option<String> {
+    let (pa, pb) = (&a.provenance, &b.provenance);
+    // Inputs stand in this order: scenario, model, bodies, paths.
+    let body = |r: &RunResult, name: &str| {
+        let bodies = r.provenance.inputs.iter().skip(2).take(r.setting.bodies.len());
+        bodies.filter(|(n, _)| n == name).map(|(_, h)| h.clone()).next()
     };
-    let body = html! {
-        @if !done.is_empty() {
-            section aria-labelledby="h-runs" { h2 id="h-runs" { "Best path of each run" } (runs(&done)) }
-        }
-        @if !without.is_empty() {
-            section aria-labelledby="h-without" { h2 id="h-without" { "Runs without a path" } (failures(&without)) }
-        }
-        section aria-labelledby="h-from" { h2 id="h-from" { "Where the runs come from" } (origins(rows)) }
-    };
-    document("Comparison of runs – ergopath", &intro, &body, &maud::html! {})
-}
-
-fn runs(rows: &[&&ComparisonRow]) -> Markup {
-    let or = |v: Option<f64>, f: fn(f64) -> String| v.map_or_else(|| "–".to_owned(), f);
-    html! {
-        p.note {
-            "Sorted by expected RULA of the body size that scores worst. Runs differ in scenario, so a lower \
-             score says which arrangement is better only where task and duration are the same. 90 % band: nine of ten \
-             repetitions lie within. 95 % interval: where the true mean difference lies, over the same simulated people."
-        }
-        p.note {
-            "Bars, RULA action levels from left to right: "
-            @for l in RULA_LEVELS { (l.number) " " (l.words) @if l.number < 4 { ", " } @else { "." } }
-        }
-        div.scroll tabindex="0" role="region" aria-label="Runs" { table {
-            thead { tr {
-                th scope="col" { "Run" }
-                th scope="col" { "Best path" }
-                th scope="col" { "Time at each action level" }
-                th.n scope="col" { "Level 3+" }
-                th.n scope="col" { "Expected RULA" span.small { "90 % band" } }
-                th.n scope="col" { "Expected REBA" }
-                th.n scope="col" { "Straight path RULA" }
-                th.n scope="col" { "Best against straight" span.small { "95 % interval" } }
-                th.n scope="col" { "Out of reach" }
-            } }
-            tbody { @for r in rows { tr {
-                th scope="row" { (r.name) span.small { (r.scenario) } }
-                td { (r.best.as_deref().unwrap_or("–")) span.small { (r.worst_body.as_deref().unwrap_or("")) } }
-                td { (bar(r)) }
-                td.n { (or(r.exposure_rula_5, percent)) }
-                td.n { (or(r.expected_rula, score)) span.small { (or(r.p05_rula, score)) " to " (or(r.p95_rula, score)) } }
-                td.n { (or(r.expected_reba, score)) }
-                td.n { (or(r.straight_rula, score)) }
-                td.n {
-                    @if let Some(d) = r.difference {
-                        @if d.clear { (change(d.mean)) } @else { "no clear difference" }
-                        span.small { (change(d.low95)) " to " (change(d.high95)) }
-                    } @else if r.best.as_deref() == Some("straight") { "is the straight path" } @else { "–" }
-                }
-                td.n { (or(r.reach_exceeded, percent)) }
-            } } }
-        } }
+    let model = |r: &RunResult| r.provenance.inputs.get(1).map(|(_, h)| h.clone());
+    if pa.seed != pb.seed {
+        Some(format!("seeds {} and {}", pa.seed, pb.seed))
+    } else if model(a) != model(b) {
+        Some(format!("posture models {} and {}", a.posture_model.name, b.posture_model.name))
+    } else if body_a != body_b {
+        Some(format!("bodies {body_a} and {body_b}"))
+    } else if body(a, body_a) != body(b, body_b) {
+        Some(format!("two bodies named {body_a}"))
+    } else if pa.program_version != pb.program_version {
+        Some(format!("ergopath {} and {}", pa.program_version, pb.program_version))
+    } else {
+        None
     }
 }
 
-/// A stacked bar with its numbers as text.
-fn bar(row: &ComparisonRow) -> Markup {
-    let shares = RULA_LEVELS.map(|l| (l, l.share(&row.rula_at_least)));
-    html! {
-        div.bar aria-hidden="true" {
-            @for (level, share) in shares {
-                @if share > 0.0 {
-                    span style={ "width:" (format!("{:.2}", 100.0 * share)) "%;background:" (css(level.color)) } {}
-                }
-            }
-        }
-        span.small {
-            @for (level, share) in shares { (level.number) ": " (percent(share)) @if level.number < 4 { ", " } }
-        }
-    }
-}
-
-fn failures(rows: &[&&ComparisonRow]) -> Markup {
-    html! {
-        table {
-            thead { tr { th scope="col" { "Run" } th scope="col" { "State" } th scope="col" { "Reason" } } }
-            tbody { @for r in rows {
-                @let (state, reason) = r.state_words();
-                tr { th scope="row" { (r.name) } td { (state) } td { (super::page::ticked(reason)) } }
-            } }
-        }
-    }
-}
-
-fn origins(rows: &[&ComparisonRow]) -> Markup {
-    html! {
-        div.scroll tabindex="0" role="region" aria-label="Origins" { table {
-            thead { tr {
-                th scope="col" { "Run" } th scope="col" { "ergopath" } th.n scope="col" { "Seed" }
-                th scope="col" { "SHA-256 of the scenario" }
-            } }
-            tbody { @for r in rows { tr {
-                th scope="row" { (r.name) }
-                td { (r.program_version) }
-                td.n { (r.seed.map_or_else(String::new, |s| s.to_string())) }
-                td { @if !r.scenario_sha256.is_empty() { code { (r.scenario_sha256) } } }
-            } } }
-        } }
-        p.note { "Scores: RULA (McAtamney & Corlett 1993) and REBA (Hignett & McAtamney 2000)." }
-    }
+/// The page and the table of a comparison, as (ending, bytes). The drawings of the cells need the results
+/// themselves.
+pub fn comparison(
+    comparison: &Comparison,
+    results: &[NamedRun],
+) -> Result<Vec<(&'static str, Vec<u8>)>, ReportError> {
+    let drawn = cells(comparison, results)?;
+    Ok(vec![("csv", table(comparison)?), ("html", page(comparison, drawn.as_deref()).into_bytes())])
 }

@@ -7,7 +7,7 @@ use super::style::{
     BEST, FAINT, LABEL, MUTED, OBSTACLE, ORANGE, OTHER, OWN, Pen, STRAIGHT, Stroke, TICK, VERMILION,
 };
 use super::view::View;
-use crate::planner::{CandidateResult, PosePicture};
+use crate::planner::{CandidateResult, PosePicture, Setting};
 use plotters::style::RGBColor;
 
 const SIZE: (u32, u32) = (1600, 1110);
@@ -18,14 +18,14 @@ const ROBOT: RGBColor = RGBColor(0, 120, 88);
 
 /// A way to look at the world: from the side or from above.
 #[derive(Debug, Clone, Copy)]
-enum Look {
+pub(super) enum Look {
     Side([f64; 2]),
     Top,
 }
 
 impl Look {
     /// The point in the plane of the view.
-    fn flat(self, p: [f64; 3]) -> [f64; 2] {
+    pub(super) fn flat(self, p: [f64; 3]) -> [f64; 2] {
         match self {
             Self::Side([fx, fy]) => [fx * p[0] + fy * p[1], p[2]],
             Self::Top => [p[0], p[1]],
@@ -33,7 +33,7 @@ impl Look {
     }
 
     /// The rectangle that bounds a box in the view.
-    fn bounds(self, low: [f64; 3], high: [f64; 3]) -> ([f64; 2], [f64; 2]) {
+    pub(super) fn bounds(self, low: [f64; 3], high: [f64; 3]) -> ([f64; 2], [f64; 2]) {
         let corners = (0..8).map(|i: usize| {
             let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
             self.flat([pick(0), pick(1), pick(2)])
@@ -43,7 +43,7 @@ impl Look {
 }
 
 /// Lower and upper corner of points; none without any.
-fn extent(points: impl Iterator<Item = [f64; 2]>) -> Option<([f64; 2], [f64; 2])> {
+pub(super) fn extent(points: impl Iterator<Item = [f64; 2]>) -> Option<([f64; 2], [f64; 2])> {
     points.fold(None, |so_far, p| {
         let (low, high) = so_far.unwrap_or((p, p));
         Some(([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]))
@@ -83,7 +83,7 @@ pub(super) fn paths(view: &View) -> Result<Vec<u8>, ReportError> {
 }
 
 /// Everything that must be inside the picture; obstacles only where nothing else is known.
-fn shown(view: &View, look: Look) -> ([f64; 2], [f64; 2]) {
+pub(super) fn shown(view: &View, look: Look) -> ([f64; 2], [f64; 2]) {
     let setting = &view.result.setting;
     let mut points: Vec<[f64; 3]> = vec![setting.start_m, setting.goal_m];
     for c in &view.reported {
@@ -162,22 +162,40 @@ fn keys(view: &View) -> Vec<Key> {
     keys
 }
 
-fn bone_pen(lighter: bool) -> Pen {
+pub(super) fn bone_pen(lighter: bool) -> Pen {
     let color = if lighter { super::style::tint(PERSON, 0.45) } else { PERSON };
     Pen { color, width: if lighter { 3.5 } else { 5.0 }, stroke: Stroke::Solid }
 }
 
-fn robot_pen(lighter: bool) -> Pen {
+pub(super) fn robot_pen(lighter: bool) -> Pen {
     let color = if lighter { super::style::tint(ROBOT, 0.5) } else { ROBOT };
     Pen { color, width: if lighter { 3.0 } else { 4.0 }, stroke: Stroke::Dashed }
 }
 
-fn draw(sheet: &Sheet, view: &View, look: Look, panel: &Panel) -> Drawn {
+/// The cell, the people and the paths in a panel.
+pub(super) fn draw(sheet: &Sheet, view: &View, look: Look, panel: &Panel) -> Drawn {
     let setting = &view.result.setting;
     let at = |p: [f64; 3]| {
         let [x, y] = look.flat(p);
         panel.at(x, y)
     };
+    ground(sheet, setting, look, panel)?;
+    for (picture, lighter) in pictures(view).into_iter().zip([false, true]).rev() {
+        if let Some(picture) = picture {
+            figures(sheet, picture, look, panel, lighter)?;
+        }
+    }
+    for (pen, candidate) in lines(view) {
+        if let Some(path) = &candidate.path {
+            let points: Vec<_> = path.tcp.iter().map(|t| at([t[0], t[1], t[2]])).collect();
+            sheet.line(&points, pen)?;
+        }
+    }
+    ends(sheet, at(setting.start_m), at(setting.goal_m))
+}
+
+/// Obstacles with their names, the grid, and the floor.
+pub(super) fn ground(sheet: &Sheet, setting: &Setting, look: Look, panel: &Panel) -> Drawn {
     for (_, low, high) in &setting.obstacles {
         let (low, high) = look.bounds(*low, *high);
         if let Some((a, b)) = panel.clipped(low, high) {
@@ -203,30 +221,36 @@ fn draw(sheet: &Sheet, view: &View, look: Look, panel: &Panel) -> Drawn {
         let floor = Pen { color: MUTED, width: 2.0, stroke: Stroke::Solid };
         sheet.line(&[panel.at(panel.x.0, 0.0), panel.at(panel.x.1, 0.0)], floor)?;
     }
-    for (picture, lighter) in pictures(view).into_iter().zip([false, true]).rev() {
-        let Some(picture) = picture else { continue };
-        let robot: Vec<_> = picture.robot.iter().map(|p| at(*p)).collect();
-        if robot.len() > 1 {
-            sheet.line(&robot, robot_pen(lighter))?;
-        }
-        for [a, b] in &picture.bones {
-            sheet.line(&[at(*a), at(*b)], bone_pen(lighter))?;
-        }
-        for [_, b] in &picture.bones {
-            sheet.disc(at(*b), 3.5, bone_pen(lighter).color)?;
-        }
+    Ok(())
+}
+
+/// Person and robot in one posture.
+pub(super) fn figures(
+    sheet: &Sheet,
+    picture: &PosePicture,
+    look: Look,
+    panel: &Panel,
+    lighter: bool,
+) -> Drawn {
+    let at = |p: [f64; 3]| {
+        let [x, y] = look.flat(p);
+        panel.at(x, y)
+    };
+    let robot: Vec<_> = picture.robot.iter().map(|p| at(*p)).collect();
+    if robot.len() > 1 {
+        sheet.line(&robot, robot_pen(lighter))?;
     }
-    for (pen, candidate) in lines(view) {
-        if let Some(path) = &candidate.path {
-            let points: Vec<_> = path.tcp.iter().map(|t| at([t[0], t[1], t[2]])).collect();
-            sheet.line(&points, pen)?;
-        }
+    for [a, b] in &picture.bones {
+        sheet.line(&[at(*a), at(*b)], bone_pen(lighter))?;
     }
-    ends(sheet, at(setting.start_m), at(setting.goal_m))
+    for [_, b] in &picture.bones {
+        sheet.disc(at(*b), 3.5, bone_pen(lighter).color)?;
+    }
+    Ok(())
 }
 
 /// Start and goal with their names, on the sides that face away from each other.
-fn ends(sheet: &Sheet, start: (f64, f64), goal: (f64, f64)) -> Drawn {
+pub(super) fn ends(sheet: &Sheet, start: (f64, f64), goal: (f64, f64)) -> Drawn {
     let up = if start.1 >= goal.1 { 1.0 } else { -1.0 };
     let r = 8.0;
     sheet.disc(start, r, ORANGE)?;

@@ -328,27 +328,97 @@ fn without_a_feasible_path_the_report_says_why() {
     assert!(!files.iter().any(|(n, _)| n.starts_with("paths/")));
 }
 
+fn comparison_file(runs: &[NamedRun], against: Option<&str>, ending: &str) -> String {
+    let files = comparison(&Comparison::of(runs, against), runs).unwrap();
+    let (_, bytes) = files.into_iter().find(|(e, _)| *e == ending).unwrap();
+    String::from_utf8(bytes).unwrap()
+}
+
+/// The same run with every person's mean RULA raised.
+fn raised(by: f64) -> RunResult {
+    let mut other = feasible().clone();
+    for b in other.candidates.iter_mut().flat_map(|c| &mut c.bodies) {
+        b.rula_by_rollout.iter_mut().for_each(|v| *v += by);
+        b.rula.expected += by;
+    }
+    other
+}
+
 #[test]
 fn runs_are_compared_best_first() {
-    let parsed = |r: &RunResult| serde_json::from_str::<Value>(&result_json(r).unwrap()).unwrap();
-    let value = parsed(feasible());
-    let row = ComparisonRow::from_result_json("first", &value).unwrap();
-    assert_eq!(row.best, feasible().verdict.best);
+    let runs: Vec<NamedRun> = vec![
+        ("broken".into(), Err("scenario.toml: <key> is unknown".into())),
+        ("none".into(), Ok(impossible().clone())),
+        ("worse".into(), Ok(raised(0.25))),
+        ("first".into(), Ok(feasible().clone())),
+    ];
+    let compared = Comparison::of(&runs, Some("first"));
+    let names: Vec<&str> = compared.ranked().iter().map(|r| r.name.as_str()).collect();
+    assert_eq!(names, ["first", "worse", "broken", "none"]);
+    let best = compared.ranked()[0].best().unwrap().clone();
     let body = view::worst_body(&feasible().candidates[0]).unwrap();
-    assert_eq!(row.expected_rula, Some(body.rula.expected));
-    assert_eq!(row.worst_body.as_deref(), Some(body.body.as_str()));
-    let none = ComparisonRow::from_result_json("none", &parsed(impossible())).unwrap();
-    assert!(matches!(none.state, RowState::NoFeasiblePath(_)));
-    let failed = ComparisonRow::failed("broken", "scenario.toml: <key> is unknown");
-    let files = comparison(&[failed, none, row]).unwrap();
-    let page = text(&files, "comparison.html");
+    assert_eq!(best.expected_rula, body.rula.expected);
+    assert!(matches!(compared.runs[1].state, RowState::NoFeasiblePath(_)));
+    let page = comparison_file(&runs, Some("first"), "html");
     assert_self_contained(&page);
     assert!(page.contains("&lt;key&gt; is unknown") && page.contains("A &lt;b&gt;&amp;"));
-    let table = text(&files, "comparison.csv");
+    assert_eq!(page.matches("<img").count(), 1);
+    let table = comparison_file(&runs, None, "csv");
     assert!(table.lines().nth(1).unwrap().starts_with("first,A <b>&,ok,"), "{table}");
-    assert_eq!(table.lines().count(), 4);
+    // Two bodies with best, straight and own path of both runs, and two runs without a path.
+    assert_eq!(table.lines().count(), 1 + 2 * 2 * 3 + 2, "{table}");
+}
 
-    assert!(ComparisonRow::from_result_json("x", &serde_json::json!({})).is_err());
-    let other = serde_json::json!({"schema": "ergopath/result/9"});
-    assert!(ComparisonRow::from_result_json("x", &other).unwrap_err().contains("result/9"));
+#[test]
+fn people_are_paired_only_where_they_are_the_same() {
+    let against = |other: RunResult| {
+        let runs: Vec<NamedRun> =
+            vec![("a".into(), Ok(feasible().clone())), ("b".into(), Ok(other))];
+        let compared = Comparison::of(&runs, None);
+        assert_eq!(compared.against.as_deref(), Some("a"));
+        assert!(compared.runs[0].bodies.iter().all(|b| b.against.is_none()));
+        compared.runs[1].worst_body().unwrap().against.clone().unwrap()
+    };
+    let paired = against(raised(0.25));
+    assert_eq!(paired.unpaired_because, None);
+    // Everybody scores 0.25 more: certain for the same people, not for two groups.
+    assert!((paired.mean - 0.25).abs() < 1e-9 && paired.high95 - paired.low95 < 1e-9);
+    assert!(paired.clear);
+    type Change = fn(&mut RunResult);
+    let changes: [(Change, &str); 4] = [
+        (|r| r.provenance.seed += 1, "seeds"),
+        (|r| r.provenance.inputs[1].1 = "0".into(), "posture models"),
+        (|r| r.provenance.inputs[2..4].iter_mut().for_each(|i| i.1 = "0".into()), "two bodies"),
+        (|r| r.provenance.program_version = "9.9".into(), "ergopath"),
+    ];
+    for (change, why) in changes {
+        let mut other = raised(0.25);
+        change(&mut other);
+        let d = against(other);
+        assert!(d.unpaired_because.as_ref().unwrap().starts_with(why), "{d:?}");
+        assert!((d.mean - 0.25).abs() < 1e-9 && d.high95 - d.low95 > 1e-3, "{d:?}");
+    }
+    // Other bodies: the worst of the one against the worst of the other.
+    let mut other = raised(0.25);
+    for b in other.candidates.iter_mut().flat_map(|c| &mut c.bodies) {
+        b.body.push_str("_tall");
+    }
+    assert!(against(other).unpaired_because.unwrap().starts_with("bodies"));
+}
+
+#[test]
+fn a_result_that_was_read_back_gives_the_same_files() {
+    for result in [feasible(), impossible()] {
+        let text = result_json(result).unwrap();
+        let back = crate::planner::parse_result(Path::new("result.json"), &text).unwrap();
+        assert_eq!(files(&back).unwrap(), files(result).unwrap());
+    }
+    // What is not finite is null in JSON, and is shown alike.
+    let mut odd = feasible().clone();
+    odd.comparisons[0].rula.low95 = f64::NEG_INFINITY;
+    let path = odd.candidates[0].path.as_mut().unwrap();
+    path.checks[0].value = f64::INFINITY;
+    let text = result_json(&odd).unwrap();
+    let back = crate::planner::parse_result(Path::new("result.json"), &text).unwrap();
+    assert_eq!(files(&back).unwrap(), files(&odd).unwrap());
 }

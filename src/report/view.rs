@@ -17,6 +17,8 @@ pub(super) struct View<'a> {
     pub straight: Option<&'a CandidateResult>,
     /// The user's own paths, unless they lead.
     pub own: Vec<&'a CandidateResult>,
+    /// What has changed since the run, if anything has.
+    pub out_of_date: Option<&'a str>,
     /// All paths of the report, by rank.
     pub reported: Vec<&'a CandidateResult>,
 }
@@ -41,6 +43,7 @@ impl<'a> View<'a> {
             body: lead.and_then(worst_body).map(|b| b.body.as_str()),
             straight: beside(Family::Straight).next(),
             own: beside(Family::Drawn).collect(),
+            out_of_date: None,
             reported: reported.clone(),
         }
     }

@@ -69,7 +69,7 @@ pub struct Point {
 pub struct TrajectoryFault(String);
 
 /// How near a trajectory comes to one joint's limits between its points.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointMargin {
     /// The joint.
     pub joint: String,

@@ -178,6 +178,10 @@ pub(super) struct LimitsFile {
     pub angular_acceleration_deg_s2: Option<Spanned<f64>>,
     /// Distance of the TCP from obstacles.
     pub clearance_m: Option<Spanned<f64>>,
+    /// Distance between robot and person, the coupled hand and forearm at the wrist excepted.
+    pub person_clearance_m: Option<Spanned<f64>>,
+    /// Share of the repetitions that may come nearer than that.
+    pub person_clearance_share: Option<Spanned<f64>>,
     /// How far the path may be from the candidate it was made from.
     pub corridor_m: Option<Spanned<f64>>,
 }

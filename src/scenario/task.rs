@@ -1,10 +1,10 @@
 //! What the worker does besides posture: load, repetition, coupling, and where each input comes from.
 
 use super::file::{CouplingFile, TaskFile};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Where a score input comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Origin {
     /// By a recording.
@@ -20,7 +20,7 @@ pub enum Origin {
 }
 
 /// The task, resolved.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// Load on the hand, kg: part mass x human share + extra load.
     pub load_kg: f64,

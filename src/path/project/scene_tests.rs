@@ -208,7 +208,7 @@ fn the_smallest_changes_are_enough_and_smallest() {
                 assert!((3.15..3.3).contains(to_s), "{to_s}");
                 assert!(is_feasible(&limits, *to_s) && !is_feasible(&limits, to_s * 0.99));
             }
-            Change::Limit { name: "speed", to, .. } => {
+            Change::Limit { name, to, .. } if name == "speed" => {
                 kinds.push("speed");
                 let with = |v: f64| PathLimits { speed_m_s: v, ..limits };
                 assert!(is_feasible(&with(*to), 3.0) && !is_feasible(&with(to * 0.99), 3.0));

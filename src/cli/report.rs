@@ -1,0 +1,88 @@
+//! `ergopath report`: the page, figures and tables of a finished run made again from its result.
+
+use super::{Failure, Outcome};
+use crate::files::{InputError, OutputFolder, read_bytes, write_whole};
+use crate::planner::{Freshness, freshness, read_result, result_file};
+use crate::report;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `report`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Folder of a finished run, or its result.json.
+    result: PathBuf,
+    /// Folder to write; without it the files are made again beside the result.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// The scenario to compare the run with; without it, one of the recorded name is looked for beside
+    /// the result, in the folder above, in the working folder and in ./scenarios.
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// Print nothing but what is out of date.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Makes the files again.
+pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+    let result = read_result(&args.result)?;
+    let freshness = freshness(&result, &args.result, args.scenario.as_deref())?;
+    let out_of_date = out_of_date(&freshness);
+    let files = report::files_again(&result, out_of_date.as_deref())
+        .map_err(|e| InputError::new("report", e.to_string()))?;
+    let source = result_file(&args.result);
+    let target = match &args.output {
+        Some(target) => {
+            let folder = OutputFolder::create(target)?;
+            for (name, bytes) in &files {
+                // The result is copied, not written anew.
+                let copy = (name == "result.json").then(|| read_bytes(&source)).transpose()?;
+                folder.write(name, copy.as_deref().unwrap_or(bytes))?;
+            }
+            folder.publish()?;
+            target.clone()
+        }
+        None => {
+            let folder = source.parent().unwrap_or(Path::new("")).to_owned();
+            for (name, bytes) in files.iter().filter(|(name, _)| name != "result.json") {
+                write_whole(&folder.join(name), bytes)?;
+            }
+            folder
+        }
+    };
+    if let Some(what) = &out_of_date {
+        complain!("out of date: {what}");
+    }
+    if !args.quiet {
+        say!("{}", result.verdict.headline);
+        say!("  {}", checked(&freshness));
+        say!("\n{}", target.join("report.html").display());
+    }
+    Ok(Outcome::Done)
+}
+
+/// What has changed since a run, in a sentence.
+pub(super) fn out_of_date(freshness: &Freshness) -> Option<String> {
+    let Freshness::OutOfDate { changed, .. } = freshness else { return None };
+    let names: Vec<String> = changed.iter().map(|c| format!("`{c}`")).collect();
+    let have = if names.len() == 1 { "has" } else { "have" };
+    Some(format!(
+        "{} {have} changed since this run; the figures are those of the run as it was made",
+        names.join(", ")
+    ))
+}
+
+fn checked(freshness: &Freshness) -> String {
+    match freshness {
+        Freshness::Current(path) => format!(
+            "up to date: {} and the files that it names are those of the run",
+            path.display()
+        ),
+        Freshness::OutOfDate { scenario, .. } => {
+            format!("out of date: compared with {}", scenario.display())
+        }
+        Freshness::NotFound(name) => format!(
+            "not known whether it is up to date: {name} was not found; name it with --scenario FILE"
+        ),
+    }
+}

@@ -1,0 +1,60 @@
+//! What tests of the whole program share: a small workplace, the program, and files as bytes.
+
+#![allow(dead_code, unreachable_pub, reason = "each test file uses some of these")]
+
+use assert_cmd::Command;
+use ergopath::human::{Body, Side};
+use ergopath::posture::{save_model, simulated_operator};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A folder with a scenario that plans fast, and a made-up posture model.
+pub fn workplace() -> (TempDir, PathBuf) {
+    let room = tempfile::tempdir().unwrap();
+    let body = Body::load("female_p50", Path::new(".")).unwrap();
+    let model = simulated_operator(&body, Side::Right).unwrap();
+    save_model(&model, &room.path().join("operator.json")).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench_pick_and_place.toml");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let text = text.replace("\"demo_operator\"", "\"operator.json\"");
+    let planner = "schema = \"ergopath/planner/1\"\nname = \"tiny\"\nvias = 1\nnamed_offset_m = 0.1\n\
+                   sampled_offset_m = 0.1\npopulation = 4\ngenerations = 2\nruns = 1\n\
+                   baseline_generations = 1\nsteps = 30\nrollouts_first = 2\nrollouts_most = 3\n\
+                   shortlist = 2\nreported = 2\n\
+                   rollouts_final = 6\n[objective]\nexpected_rula = 1.0\nexpected_reba = 0.0\n\
+                   cvar90_rula = 0.0\nexposure_rula_5 = 0.0\n";
+    std::fs::write(room.path().join("tiny.toml"), planner).unwrap();
+    let scenario = room.path().join("bench.toml");
+    std::fs::write(&scenario, text).unwrap();
+    (room, scenario)
+}
+
+pub fn ergopath() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_ergopath"))
+}
+
+pub fn plan(room: &TempDir, scenario: &Path, output: &str) -> Command {
+    let mut command = ergopath();
+    command.arg("plan").arg(scenario).arg("-o").arg(room.path().join(output));
+    command.arg("--planner").arg(room.path().join("tiny.toml"));
+    command
+}
+
+/// All files below a folder with their bytes.
+pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(at) = open.pop() {
+        for entry in at.read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().display().to_string();
+                all.insert(name, std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    all
+}

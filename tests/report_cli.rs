@@ -1,0 +1,92 @@
+//! Finished runs: the report made again, with what has changed since.
+
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+mod common;
+
+use common::{ergopath, files, plan, workplace};
+use predicates::prelude::*;
+use predicates::str::contains;
+
+#[test]
+fn a_report_made_again_has_the_same_bytes() {
+    let (room, scenario) = workplace();
+    plan(&room, &scenario, "out").assert().success();
+    let out = room.path().join("out");
+    let before = files(&out);
+    assert!(before.keys().any(|n| n.ends_with("joint_trajectory.yaml")));
+    for name in before.keys().filter(|n| *n != "result.json") {
+        std::fs::remove_file(out.join(name)).unwrap();
+    }
+    ergopath().arg("report").arg(&out).assert().success().stdout(contains("up to date"));
+    let differ = |after: &std::collections::BTreeMap<String, Vec<u8>>| -> Vec<String> {
+        assert!(before.keys().eq(after.keys()));
+        before.keys().filter(|n| before[*n] != after[*n]).cloned().collect()
+    };
+    assert!(differ(&files(&out)).is_empty());
+    // Into another folder, from the file itself, somewhere else.
+    let copy = room.path().join("copy");
+    let from = out.join("result.json");
+    ergopath().arg("report").arg(&from).arg("-o").arg(&copy).assert().success();
+    assert!(differ(&files(&copy)).is_empty());
+}
+
+#[test]
+fn what_has_changed_since_is_told() {
+    let (room, scenario) = workplace();
+    plan(&room, &scenario, "out").assert().success();
+    let out = room.path().join("out");
+    let report = || {
+        let mut command = ergopath();
+        command.arg("report").arg(&out);
+        command
+    };
+    // The worker's model, which the scenario names.
+    let model = room.path().join("operator.json");
+    let kept = std::fs::read_to_string(&model).unwrap();
+    std::fs::write(&model, format!("{kept}\n")).unwrap();
+    report().assert().success().stderr(contains("out of date"));
+    std::fs::write(&model, kept).unwrap();
+    report().assert().success().stderr(contains("out of date").not());
+    // The scenario itself.
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    std::fs::write(&scenario, text.replace("duration_s = 4.0", "duration_s = 4.5")).unwrap();
+    report().assert().success().stderr(contains("`bench.toml` has changed since"));
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Out of date"));
+    // Elsewhere, the scenario is not found, and is found by its name.
+    let moved = tempfile::tempdir().unwrap();
+    let place = moved.path().join("a/b");
+    std::fs::create_dir_all(&place).unwrap();
+    std::fs::copy(out.join("result.json"), place.join("result.json")).unwrap();
+    let elsewhere = || {
+        let mut command = ergopath();
+        command.current_dir(moved.path()).arg("report").arg(&place);
+        command
+    };
+    elsewhere().assert().success().stdout(contains("bench.toml was not found"));
+    let page = std::fs::read_to_string(place.join("report.html")).unwrap();
+    assert!(!page.contains("Out of date"));
+    elsewhere().arg("--scenario").arg(&scenario).assert().success().stderr(contains("out of date"));
+}
+
+#[test]
+fn what_is_no_result_is_refused() {
+    let (room, scenario) = workplace();
+    plan(&room, &scenario, "out").assert().success();
+    let out = room.path().join("out");
+    let file = out.join("result.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let refused = |text: &str, words: &str| {
+        std::fs::write(&file, text).unwrap();
+        let before = files(&out);
+        ergopath().arg("report").arg(&out).assert().code(2).stderr(contains(words));
+        assert_eq!(files(&out), before);
+    };
+    refused(&text[..text.len() / 2], "cut off");
+    refused("{\"schema\": \"ergopath/result/9\"}", "ergopath/result/9");
+    refused("{}", "has no schema");
+    refused("[1, 2]", "is not a result");
+    ergopath().arg("report").arg(room.path()).assert().code(2).stderr(contains("without"));
+    ergopath().arg("report").arg("nowhere").assert().code(2).stderr(contains("no such file"));
+}
