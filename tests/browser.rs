@@ -268,7 +268,7 @@ fn keep_pictures(page: &Session, width: u32) {
         |name: &str, bytes: Vec<u8>| std::fs::write(Path::new(&folder).join(name), bytes).unwrap();
     scrub(page, 60);
     keep(&format!("scene_{width}.png"), page.png("#scene", 0.75));
-    keep(&format!("page_{width}.png"), page.png("body", 0.4));
+    keep(&format!("page_{width}.png"), page.png("body", 0.33));
 }
 
 fn print_cuts_nothing(page: &Session) {
