@@ -39,6 +39,8 @@ pub struct Question {
     pub instances: usize,
     /// Kinds of people at each workstation.
     pub kinds: Vec<Kind>,
+    /// Movements from which the planner learns each person.
+    pub demonstrations: usize,
     /// Repetitions by which a path is judged.
     pub repetitions: usize,
     /// The planner's settings.

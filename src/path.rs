@@ -21,6 +21,7 @@ mod smooth;
 mod spline;
 mod stencil;
 mod transcription;
+mod turning;
 mod verify;
 
 pub use arm::{Arm, Followed, project_for_arm};
@@ -36,7 +37,8 @@ pub use remedy::smallest_changes;
 pub use scene::{Condition, Order, Reach, Scene};
 pub use smooth::SmoothPath;
 pub use spline::ClampedSpline;
+pub use turning::{Turning, sway};
 pub use verify::{
     Check, Quantity, Verification, verify, verify_motion, verify_optimality, verify_samples,
-    verify_scene,
+    verify_samples_within, verify_scene,
 };

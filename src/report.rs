@@ -4,10 +4,11 @@
 //! RunResult ─► view    which paths are shown, and in which words
 //!           ─► tables  candidates.csv, paths/<rank>.csv
 //!           ─► figure_* on sheet, panel, style   figures/*.png
-//!           ─► page*   report.html
+//!           ─► page*   report.html, with scene.js and sort.js in it
 //! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
 //! CellLook ─► figure_cell   the cell before planning, PNG
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
+//! gains with their intervals     ─► figure_forest                             PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! SizeExperiment ─► size          size.png, size.csv, size.json
 //! ```
@@ -20,6 +21,7 @@ mod comparison_page;
 mod comparison_table;
 mod figure_box;
 mod figure_cell;
+mod figure_forest;
 mod figure_growth;
 mod figure_paths;
 mod figure_scores;
@@ -27,6 +29,7 @@ mod filled;
 mod filled_page;
 mod page;
 mod page_evidence;
+mod page_scene;
 mod page_scores;
 mod panel;
 mod sheet;
@@ -44,6 +47,7 @@ pub use comparison::{
 };
 pub use figure_box::{BoxPanel, box_plots};
 pub use figure_cell::cell_figure;
+pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use filled_page::{Picked, sheet_files};
 pub use size::size_files;
@@ -114,7 +118,7 @@ pub fn files_again(
         })
     });
     let figures = page::Figures { paths: figure_paths::paths(&view)?, scores: scores.transpose()? };
-    files.push(("report.html".to_owned(), page::report(&view, &figures).into_bytes()));
+    files.push(("report.html".to_owned(), page::report(&view, &figures)?.into_bytes()));
     files.push(("figures/paths.png".to_owned(), figures.paths));
     if let Some(scores) = figures.scores {
         files.push(("figures/rula_over_time.png".to_owned(), scores.over_time));

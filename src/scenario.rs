@@ -19,7 +19,7 @@ mod worker;
 pub use check::Scenario;
 pub use defaults::defaults_in_force;
 pub use file::{OtherArm, PosturePick};
-pub use freedom::{Freedom, Freedoms, Variant};
+pub use freedom::{Freedom, Freedoms, TURN_ON_THE_WAY, Variant};
 pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
 pub use worker::Worker;

@@ -175,6 +175,36 @@ pub fn minimum_jerk(tau: f64) -> [f64; 4] {
     ]
 }
 
+/// A rest on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Pause {
+    /// The share of the way, in (0, 1), at which it rests.
+    pub phase: f64,
+    /// How long, s.
+    pub dwell_s: f64,
+}
+
+/// The share of the way at time `t` (s) of a move of `duration_s` in all, and its first derivative
+/// over time (1/s): minimum jerk, or from rest to rest on both sides of a pause, with the time in
+/// proportion to the way, so that the peak speed is that of the unbroken move.
+pub fn phase(t: f64, duration_s: f64, pause: Option<Pause>) -> [f64; 2] {
+    let whole = |t: f64, duration: f64| {
+        let [s, rate, ..] = minimum_jerk(t / duration);
+        [s, rate / duration]
+    };
+    let Some(Pause { phase, dwell_s }) = pause else { return whole(t, duration_s) };
+    let moving = duration_s - dwell_s;
+    let before = phase * moving;
+    if t <= before {
+        whole(t, before).map(|x| phase * x)
+    } else if t <= before + dwell_s {
+        [phase, 0.0]
+    } else {
+        let [s, rate] = whole(t - before - dwell_s, moving - before);
+        [phase + (1.0 - phase) * s, (1.0 - phase) * rate]
+    }
+}
+
 /// The straight rest-to-rest move under the minimum-jerk law, position and orientation together;
 /// `steps + 1` samples from time 0 to `duration_s`.
 pub fn minimum_jerk_line(
@@ -219,6 +249,21 @@ mod tests {
         assert_relative_eq!(fine(1).fold(0.0, f64::max), MINIMUM_JERK_PEAK_SPEED, epsilon = 1e-8);
         let peak = fine(2).fold(0.0, f64::max);
         assert_relative_eq!(peak, MINIMUM_JERK_PEAK_ACCELERATION, epsilon = 1e-6);
+    }
+
+    #[test]
+    fn a_pause_rests_and_leaves_the_peak_speed() {
+        let pause = Some(Pause { phase: 0.3, dwell_s: 2.0 });
+        let grid = || (0..=6000).map(|i| f64::from(i) * 1e-3);
+        let speeds = grid().map(|t| phase(t, 6.0, pause)[1]).fold(0.0, f64::max);
+        assert_relative_eq!(speeds, MINIMUM_JERK_PEAK_SPEED / 4.0, epsilon = 1e-6);
+        assert_eq!(phase(6.0, 6.0, pause)[0], 1.0);
+        assert_eq!(phase(2.2, 6.0, pause), [0.3, 0.0]);
+        let slope =
+            |t: f64| (phase(t + 1e-5, 6.0, pause)[0] - phase(t - 1e-5, 6.0, pause)[0]) / 2e-5;
+        for t in [0.4, 1.1, 3.3, 4.0, 5.9] {
+            assert_relative_eq!(slope(t), phase(t, 6.0, pause)[1], epsilon = 1e-7);
+        }
     }
 
     #[test]

@@ -24,7 +24,12 @@ fn our_path_is_better_than_the_straight_one_under_the_truth() {
     assert!(one == two, "the result depends on the number of threads");
     let result: Value = serde_json::from_str(&one).unwrap();
     assert_eq!(result["simulated"], true);
-    let all = result["table"]["rows"].as_array().unwrap().last().unwrap();
+    let rows = result["table"]["rows"].as_array().unwrap();
+    let all = rows.iter().find(|r| r["family"].is_null() && r["kind"].is_null()).unwrap();
+    for picture in ["gains.png", "oracle_share.png"] {
+        let png = std::fs::read(room.path().join("1").join(picture)).unwrap();
+        assert!(png.starts_with(b"\x89PNG"), "{picture}");
+    }
     let gain = all["gains"].as_array().unwrap().iter().find(|g| g[0] == "straight").unwrap();
     assert!(gain[1]["low95"].as_f64().unwrap() > 0.0, "{gain}");
     // The oracle knows more than we do.

@@ -1,18 +1,19 @@
 //! `ergopath bench`: `ErgoBench`, every planner judged by people whose true behaviour is known.
 
+use super::bench_print::{figures, print};
 use super::plan::{failure, with_threads};
 use super::progress::Progress;
 use super::{Failure, Outcome};
-use crate::ergobench::{Cell, Family, Kind, Question, Row, TABLE_SEED, Table, run, table};
+use crate::ergobench::{Cell, Family, Kind, Question, TABLE_SEED, run, table};
 use crate::files::{InputError, OutputFolder, suggest};
 use crate::planner::{Step, load_preset};
-use comfy_table::{CellAlignment, presets};
 use std::path::PathBuf;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Folder to write: table.csv, cells.csv, result.json; replaced only if ergopath made it.
+    /// Folder to write: result.json, cells.csv, gains.png, `oracle_share.png`; replaced only if ergopath
+    /// made it.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Seed: 0 to 99 for tuning, 1000 and up for tables.
@@ -27,6 +28,9 @@ pub(super) struct Args {
     /// Workstations of each family.
     #[arg(long, default_value_t = 1)]
     instances: usize,
+    /// Movements (of about 2 s) from which the planner learns each person.
+    #[arg(long, default_value_t = 16)]
+    demonstrations: usize,
     /// Repetitions by which a path is judged.
     #[arg(long, default_value_t = 256)]
     repetitions: usize,
@@ -65,6 +69,7 @@ pub(super) fn bench(args: &Args) -> Result<Outcome, Failure> {
         "schema": "ergopath/ergobench/1",
         "seed": question.seed,
         "planner": question.preset,
+        "demonstrations": question.demonstrations,
         "repetitions": question.repetitions,
         "simulated": true,
         "table": table,
@@ -76,6 +81,9 @@ pub(super) fn bench(args: &Args) -> Result<Outcome, Failure> {
         let folder = OutputFolder::create(folder)?;
         folder.write("result.json", text.as_bytes())?;
         folder.write("cells.csv", &cells_csv(&cells)?)?;
+        for (name, png) in figures(&table)? {
+            folder.write(name, &png)?;
+        }
         folder.publish()?;
     }
     if args.json {
@@ -100,6 +108,14 @@ fn question(args: &Args) -> Result<Question, Failure> {
             .remedy("give 1 to 1000 instances and 2 to 100000 repetitions")
             .into());
     }
+    if !(4..=400).contains(&args.demonstrations) {
+        return Err(InputError::new(
+            "--demonstrations",
+            format!("{} is out of range", args.demonstrations),
+        )
+        .remedy("give 4 to 400")
+        .into());
+    }
     let kinds =
         if args.quick { vec![Kind::InClass, Kind::HeightAndHistory] } else { Kind::ALL.to_vec() };
     Ok(Question {
@@ -107,6 +123,7 @@ fn question(args: &Args) -> Result<Question, Failure> {
         families,
         instances: args.instances,
         kinds,
+        demonstrations: args.demonstrations,
         repetitions: args.repetitions,
         preset: load_preset(planner)?,
     })
@@ -167,97 +184,4 @@ fn cells_csv(cells: &[Cell]) -> Result<Vec<u8>, InputError> {
         }
     }
     table.into_inner().map_err(|e| fault(e.to_string()))
-}
-
-fn print(question: &Question, cells: &[Cell], table: &Table) {
-    say!(
-        "ErgoBench, seed {}: {} cells, planner `{}`, each path walked {} times by a simulated person whose\n\
-         true behaviour the planner knows from 16 other movements only. Nobody was recorded.",
-        question.seed,
-        cells.len(),
-        question.preset.name,
-        question.repetitions
-    );
-    say!("\nExpected RULA under the truth (means over cells)");
-    let planners: Vec<&str> = table
-        .rows
-        .last()
-        .map_or_else(Vec::new, |r| r.expected.iter().map(|e| e.0.as_str()).collect());
-    let mut shown = comfy_table::Table::new();
-    shown.load_style(presets::NOTHING);
-    let header = ["family", "cells"].into_iter().map(str::to_owned);
-    shown.set_header(header.chain(planners.iter().map(|p| short(p))));
-    for row in &table.rows {
-        let mut line = vec![name(row), count(row)];
-        line.extend(planners.iter().map(|p| value(&row.expected, p)));
-        shown.add_row(line);
-    }
-    right(&mut shown, 1);
-    say!("{}", shown.trim_fmt());
-
-    say!(
-        "\nGain of ergopath over the others, points of expected RULA [95 % interval over repetitions]"
-    );
-    let mut gains = comfy_table::Table::new();
-    gains.load_style(presets::NOTHING);
-    let others = planners.iter().filter(|p| !["ergopath", "oracle"].contains(*p));
-    let header = [String::from("family")].into_iter().chain(others.clone().map(|p| short(p)));
-    gains.set_header(header.chain(["of oracle's gain".to_owned(), "oracle gains".to_owned()]));
-    for row in &table.rows {
-        let mut line = vec![name(row)];
-        for p in others.clone() {
-            let found = row.gains.iter().find(|g| g.0 == *p);
-            line.push(found.map_or_else(String::new, |(_, g)| {
-                format!("{:+.2} [{:+.2}, {:+.2}]", g.mean, g.low95, g.high95)
-            }));
-        }
-        line.push(row.share_of_oracle.map_or_else(String::new, |s| {
-            format!("{:.0} % [{:.0}, {:.0}]", 100.0 * s.mean, 100.0 * s.low95, 100.0 * s.high95)
-        }));
-        line.push(row.oracle_gain.map_or_else(String::new, |g| format!("{:.1} %", 100.0 * g)));
-        gains.add_row(line);
-    }
-    right(&mut gains, 1);
-    say!("{}", gains.trim_fmt());
-    if let Some(all) = table.rows.last() {
-        if let Some(gap) = all.calibration_gap {
-            say!("\nTruth minus prediction of our paths' expected RULA: {gap:+.2} on average.");
-        }
-        say!("The intervals take workstations and people as they are; other draws may differ.");
-    }
-    for c in cells.iter().filter(|c| c.failure.is_some()) {
-        let why = c.failure.as_deref().unwrap_or_default();
-        say!("  no path: {} ({}, {}): {why}", c.station, c.body, c.kind.name());
-    }
-}
-
-fn short(planner: &str) -> String {
-    match planner {
-        "expert_arc" => "expert".to_owned(),
-        "best_random" => "random".to_owned(),
-        "single_posture_plain" => "one plain".to_owned(),
-        "single_posture_learned" => "one learned".to_owned(),
-        other => other.to_owned(),
-    }
-}
-
-fn name(row: &Row) -> String {
-    row.family.map_or("all", Family::name).to_owned()
-}
-
-fn count(row: &Row) -> String {
-    match row.cells {
-        (done, 0) => done.to_string(),
-        (done, failed) => format!("{done} + {failed} failed"),
-    }
-}
-
-fn value(all: &[(String, f64)], planner: &str) -> String {
-    all.iter().find(|v| v.0 == planner).map_or_else(String::new, |v| format!("{:.2}", v.1))
-}
-
-fn right(table: &mut comfy_table::Table, from: usize) {
-    for column in table.column_iter_mut().skip(from) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
 }

@@ -29,8 +29,7 @@ use rand::RngExt as _;
 use serde::Serialize;
 use std::path::Path;
 
-/// Demonstrations of a person, and their samples per second.
-const DEMONSTRATIONS: usize = 16;
+/// Samples per second of a demonstration.
 const RATE_HZ: f64 = 30.0;
 /// Tilt of the grip in demonstrations, rad.
 const TILT_RAD: f64 = 0.05;
@@ -207,8 +206,12 @@ fn station(
         if !reach.reaches(&scenario.start) || !reach.reaches(&scenario.goal) {
             continue;
         }
-        let trials = reach.demonstrate(&station, question.seed + 7919 * draft.person_number);
-        if trials.len() < DEMONSTRATIONS {
+        let trials = reach.demonstrate(
+            &station,
+            question.seed + 7919 * draft.person_number,
+            question.demonstrations,
+        );
+        if trials.len() < question.demonstrations {
             continue;
         }
         let dataset = Dataset::new(&trials, draft.body, Side::Right)?;
@@ -272,10 +275,10 @@ impl<'a> Demonstrator<'a> {
     }
 
     /// Movements between random places about the workstation's: never the path that is planned.
-    fn demonstrate(&self, station: &Station, seed: u64) -> Vec<Trial> {
+    fn demonstrate(&self, station: &Station, seed: u64, count: usize) -> Vec<Trial> {
         let mut trials = Vec::new();
-        for draw in 0..40 * DEMONSTRATIONS as u32 {
-            if trials.len() == DEMONSTRATIONS {
+        for draw in 0..40 * count as u32 {
+            if trials.len() == count {
                 break;
             }
             trials.extend(self.movement(station, seed, draw));

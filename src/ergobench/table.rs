@@ -2,7 +2,10 @@
 
 use super::cell::{Cell, Outcome};
 use super::families::Family;
-use crate::math::stats::{mean, std_dev};
+use super::people::Kind;
+use crate::math::stats::{cvar_upper, mean, quantile, std_dev};
+use crate::math::stream::{Purpose, stream};
+use rand::RngExt as _;
 use serde::Serialize;
 
 /// A mean with its 95 % interval over repetitions, with the cells as they are.
@@ -21,8 +24,10 @@ pub struct Gain {
 /// One line of the table.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
-    /// The family; none for all together.
+    /// The family; none for a line over families.
     pub family: Option<Family>,
+    /// The kind of person; none for a line over kinds.
+    pub kind: Option<Kind>,
     /// Cells with an outcome, and cells without.
     pub cells: (usize, usize),
     /// Mean expected RULA of each planner.
@@ -31,6 +36,8 @@ pub struct Row {
     pub cvar90: Vec<(String, f64)>,
     /// Gain of ours over each other planner.
     pub gains: Vec<(String, Gain)>,
+    /// The same of `CVaR90`, pooled; the interval by resampling of repetitions.
+    pub cvar90_gains: Vec<(String, Gain)>,
     /// Our gain over the straight path as a share of the oracle's, with its interval (delta method).
     pub share_of_oracle: Option<Gain>,
     /// Gain of the oracle over the straight path, as a share of the straight path's score.
@@ -39,7 +46,7 @@ pub struct Row {
     pub calibration_gap: Option<f64>,
 }
 
-/// All lines: one for each family, then all together.
+/// All lines: one for each family, all together, then one for each kind of person.
 #[derive(Debug, Clone, Serialize)]
 pub struct Table {
     /// The lines.
@@ -63,17 +70,33 @@ pub fn table(cells: &[Cell]) -> Table {
     let mut rows: Vec<Row> = Family::ALL
         .into_iter()
         .filter(|f| cells.iter().any(|c| c.family == *f))
-        .map(|f| row(Some(f), &cells.iter().filter(|c| c.family == f).collect::<Vec<_>>()))
+        .map(|f| {
+            let own: Vec<&Cell> = cells.iter().filter(|c| c.family == f).collect();
+            Row { family: Some(f), ..row(&own) }
+        })
         .collect();
-    rows.push(row(None, &cells.iter().collect::<Vec<_>>()));
+    rows.push(row(&cells.iter().collect::<Vec<_>>()));
+    for kind in Kind::ALL {
+        let own: Vec<&Cell> = cells.iter().filter(|c| c.kind == kind).collect();
+        if !own.is_empty() {
+            rows.push(Row { kind: Some(kind), ..row(&own) });
+        }
+    }
     Table { rows }
+}
+
+impl Table {
+    /// The line over all cells.
+    pub fn all(&self) -> Option<&Row> {
+        self.rows.iter().find(|r| r.family.is_none() && r.kind.is_none())
+    }
 }
 
 fn of<'a>(cell: &'a Cell, planner: &str) -> Option<&'a Outcome> {
     cell.outcomes.iter().find(|o| o.planner == planner)
 }
 
-fn row(family: Option<Family>, cells: &[&Cell]) -> Row {
+fn row(cells: &[&Cell]) -> Row {
     let with: Vec<&Cell> = cells.iter().copied().filter(|c| !c.outcomes.is_empty()).collect();
     let mean_of = |pick: fn(&Outcome) -> f64| -> Vec<(String, f64)> {
         let of_planner = |p: &&str| {
@@ -82,9 +105,10 @@ fn row(family: Option<Family>, cells: &[&Cell]) -> Row {
         };
         PLANNERS.iter().filter_map(of_planner).collect()
     };
-    let others = PLANNERS.iter().filter(|p| **p != "ergopath");
-    let gains: Vec<(String, Gain)> =
-        others.filter_map(|p| gain(&with, p, "ergopath").map(|g| ((*p).to_owned(), g))).collect();
+    let against = |of: fn(&[&Cell], &str, &str) -> Option<Gain>| -> Vec<(String, Gain)> {
+        let others = PLANNERS.iter().filter(|p| **p != "ergopath");
+        others.filter_map(|p| of(&with, p, "ergopath").map(|g| ((*p).to_owned(), g))).collect()
+    };
     let gap: Vec<f64> = with
         .iter()
         .filter_map(|c| of(c, "ergopath"))
@@ -96,11 +120,13 @@ fn row(family: Option<Family>, cells: &[&Cell]) -> Row {
         .map(|(s, o)| 1.0 - o.expected_rula / s.expected_rula)
         .collect();
     Row {
-        family,
+        family: None,
+        kind: None,
         cells: (with.len(), cells.len() - with.len()),
         expected: mean_of(|o| o.expected_rula),
         cvar90: mean_of(|o| o.cvar90_rula),
-        gains,
+        gains: against(gain),
+        cvar90_gains: against(cvar_gain),
         share_of_oracle: share(&with),
         oracle_gain: (!relative.is_empty()).then(|| mean(&relative)),
         calibration_gap: (!gap.is_empty()).then(|| mean(&gap)),
@@ -123,6 +149,36 @@ fn gain(cells: &[&Cell], a: &str, b: &str) -> Option<Gain> {
     let half = 1.96 * variance.sqrt() / count;
     let m = mean(&means);
     Some(Gain { mean: m, low95: m - half, high95: m + half, cells: differences.len() })
+}
+
+/// Resamples behind an interval of a `CVaR90`.
+const RESAMPLES: u32 = 500;
+
+/// Mean over cells of `CVaR90(a) - CVaR90(b)`; its interval resamples repetitions within each cell,
+/// the same ones for both.
+fn cvar_gain(cells: &[&Cell], a: &str, b: &str) -> Option<Gain> {
+    let pairs: Vec<(&[f64], &[f64])> = cells
+        .iter()
+        .filter_map(|c| Some((of(c, a)?.rula.as_slice(), of(c, b)?.rula.as_slice())))
+        .collect();
+    if pairs.is_empty() {
+        return None;
+    }
+    let difference = |x: &[f64], y: &[f64]| cvar_upper(x, 0.1) - cvar_upper(y, 0.1);
+    let plain: Vec<f64> = pairs.iter().map(|(x, y)| difference(x, y)).collect();
+    let resampled = |k: u32| {
+        let mut rng = stream(0, Purpose::Simulation, 30, k);
+        let one = |(x, y): &(&[f64], &[f64])| {
+            let count = x.len().min(y.len());
+            let drawn: Vec<usize> = (0..count).map(|_| rng.random_range(0..count)).collect();
+            let pick = |v: &[f64]| drawn.iter().map(|&i| v[i]).collect::<Vec<_>>();
+            difference(&pick(x), &pick(y))
+        };
+        mean(&pairs.iter().map(one).collect::<Vec<_>>())
+    };
+    let means: Vec<f64> = (0..RESAMPLES).map(resampled).collect();
+    let (low95, high95) = (quantile(&means, 0.025), quantile(&means, 0.975));
+    Some(Gain { mean: mean(&plain), low95, high95, cells: pairs.len() })
 }
 
 /// Pooled gain of ours over the pooled gain of the oracle, both against the straight path.
@@ -201,8 +257,13 @@ mod tests {
             ),
         ];
         let t = table(&cells);
-        assert_eq!(t.rows.len(), 3);
-        let all = &t.rows[2];
+        // Two families, all, one kind.
+        assert_eq!(t.rows.len(), 4);
+        let all = t.all().unwrap();
+        let tail = &all.cvar90_gains.iter().find(|g| g.0 == "straight").unwrap().1;
+        // The worst tenth of four is the worst: 6.0 - 5.1 and 4.0 - 3.5.
+        assert_relative_eq!(tail.mean, 0.7, epsilon = 1e-12);
+        assert_relative_eq!(tail.high95 - tail.low95, 0.0, epsilon = 1e-9);
         let straight = &all.gains.iter().find(|g| g.0 == "straight").unwrap().1;
         assert_relative_eq!(straight.mean, 0.7, epsilon = 1e-12);
         // Every repetition has the same difference: no width.

@@ -11,10 +11,11 @@
 //! included, has the same bell-shaped speed.
 
 use super::spline::ClampedSpline;
+use super::turning::{Turning, sway};
 use crate::math::pose::interpolate;
 use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
-use crate::trajectory::{TimedPath, TrajectoryError, minimum_jerk};
+use crate::trajectory::{Pause, TimedPath, TrajectoryError, phase};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +65,12 @@ pub struct Candidate {
     pub vias: Vec<Vec3>,
     /// Their spline parameters, strictly increasing inside (0, 1).
     pub parameters: Vec<f64>,
+    /// Rotation vectors at equal parts of the way, TCP axes, rad: turns besides that from start to
+    /// goal. None where the tool turns straight.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turns: Vec<Vec3>,
+    /// How long the path rests at its middle via-point, s.
+    pub dwell_s: f64,
 }
 
 /// Which candidates are made.
@@ -160,7 +167,8 @@ impl ViaSpace {
 
     fn candidate(&self, id: String, family: Family, offset: impl Fn(usize) -> Vec3) -> Candidate {
         let vias = self.straight.iter().enumerate().map(|(i, p)| p + offset(i)).collect();
-        Candidate { id, family, vias, parameters: self.parameters.clone() }
+        let parameters = self.parameters.clone();
+        Candidate { id, family, vias, parameters, turns: Vec::new(), dwell_s: 0.0 }
     }
 }
 
@@ -228,12 +236,13 @@ pub fn drawn(
     }
     along.pop();
     let parameters = along.iter().map(|c| inverse_ease(c / covered)).collect();
-    Ok(Candidate { id: id.into(), family: Family::Drawn, vias: points, parameters })
+    let (turns, dwell_s) = (Vec::new(), 0.0);
+    Ok(Candidate { id: id.into(), family: Family::Drawn, vias: points, parameters, turns, dwell_s })
 }
 
-/// The candidate as a timed path, `steps + 1` samples over `duration_s`, without regard to limits:
-/// minimum jerk along the arc length of its curve, the orientation turning from start to goal by the
-/// same law.
+/// The candidate as a timed path, `steps + 1` samples over `duration_s` (its rest included), without
+/// regard to limits: minimum jerk along the arc length of its curve, the orientation turning from
+/// start to goal by the same law.
 pub fn reference_path(
     candidate: &Candidate,
     start: &Pose,
@@ -241,27 +250,65 @@ pub fn reference_path(
     duration_s: f64,
     steps: usize,
 ) -> Result<TimedPath, TrajectoryError> {
-    let (first, last) = (start.translation.vector, goal.translation.vector);
-    let vias = candidate.vias.iter().copied();
-    let Some(curve) = through(&candidate.parameters, vias, first, last) else {
-        return Err(TrajectoryError::Length {
-            times: candidate.parameters.len(),
-            poses: candidate.vias.len(),
-        });
-    };
-    let points: Vec<Vec3> =
-        (0..=CHORDS).map(|i| curve.position(i as f64 / CHORDS as f64)).collect();
-    let mut covered = vec![0.0; points.len()];
-    for i in 1..points.len() {
-        covered[i] = covered[i - 1] + (points[i] - points[i - 1]).norm();
-    }
-    let length = covered[CHORDS];
+    let fault =
+        TrajectoryError::Length { times: candidate.parameters.len(), poses: candidate.vias.len() };
+    let Some(way) = Way::of(candidate, start, goal) else { return Err(fault) };
+    let pause = candidate.pause(&way);
     TimedPath::sample(duration_s, steps, |t| {
-        let [s, ..] = minimum_jerk(t / duration_s);
-        let position = point_at(&points, &covered, s * length);
+        let [s, _] = phase(t, duration_s, pause);
         let turned = interpolate(start, goal, s).rotation;
-        Pose::from_parts(position.into(), turned)
+        Pose::from_parts(way.at(s).into(), turned)
     })
+}
+
+impl Candidate {
+    /// How it is gone along, the turns besides bounded by `most` (rad); none where it neither rests
+    /// nor turns besides.
+    pub fn turning(&self, start: &Pose, goal: &Pose, most: f64) -> Option<Turning> {
+        if self.turns.is_empty() && self.dwell_s <= 0.0 {
+            return None;
+        }
+        let pause = Way::of(self, start, goal).and_then(|way| self.pause(&way));
+        Some(Turning { pause, sway: sway(&self.turns, most) })
+    }
+
+    fn pause(&self, way: &Way) -> Option<Pause> {
+        let middle = *self.parameters.get(self.parameters.len() / 2)?;
+        let phase = way.share(middle).clamp(0.02, 0.98);
+        (self.dwell_s > 0.0).then_some(Pause { phase, dwell_s: self.dwell_s })
+    }
+}
+
+/// A curve by its arc length.
+struct Way {
+    points: Vec<Vec3>,
+    covered: Vec<f64>,
+}
+
+impl Way {
+    fn of(candidate: &Candidate, start: &Pose, goal: &Pose) -> Option<Self> {
+        let (first, last) = (start.translation.vector, goal.translation.vector);
+        let curve = through(&candidate.parameters, candidate.vias.iter().copied(), first, last)?;
+        let points: Vec<Vec3> =
+            (0..=CHORDS).map(|i| curve.position(i as f64 / CHORDS as f64)).collect();
+        let mut covered = vec![0.0; points.len()];
+        for i in 1..points.len() {
+            covered[i] = covered[i - 1] + (points[i] - points[i - 1]).norm();
+        }
+        Some(Self { points, covered })
+    }
+
+    /// The point at a share of the length.
+    fn at(&self, share: f64) -> Vec3 {
+        point_at(&self.points, &self.covered, share * self.covered[CHORDS])
+    }
+
+    /// The share of the length at a spline parameter.
+    fn share(&self, parameter: f64) -> f64 {
+        let at = ((parameter * CHORDS as f64).round() as usize).min(CHORDS);
+        let length = self.covered[CHORDS];
+        if length > 0.0 { self.covered[at] / length } else { parameter }
+    }
 }
 
 /// The point of a polyline at a distance from its start.

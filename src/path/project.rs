@@ -8,12 +8,12 @@ use super::bounds::{outside, refuse_at_once, shortest_straight_s, shortest_turn_
 use super::change::{Change, or_list};
 use super::limits::PathLimits;
 use super::nearest::{Elastic, Question, Refusal, Shortfall, solve_within};
-use super::scene::Scene;
+use super::scene::{Condition, Order, Scene};
 use super::smooth::SmoothPath;
 use super::transcription::{ACCELERATION, JERK, ROBOT, SPEED};
 use crate::math::{Pose, Vec3};
 use crate::qp::{Culprit, Residuals};
-use crate::trajectory::TimedPath;
+use crate::trajectory::{Pause, TimedPath};
 use serde::{Deserialize, Serialize};
 
 /// How a path is projected.
@@ -114,11 +114,16 @@ pub fn project_within(
         return refusal;
     }
     let step_s = duration / settings.steps as f64;
+    let pause = scene.turning.and_then(|t| t.pause);
+    let conditions: Vec<Condition> =
+        scene.conditions.iter().cloned().chain(resting(pause, duration, settings.steps)).collect();
+    let with = Scene { conditions: &conditions, ..*scene };
     let question =
-        Question { reference: &positions, step_s, limits, scene, settings, relaxed: None };
+        Question { reference: &positions, step_s, limits, scene: &with, settings, relaxed: None };
     match solve_within(&question) {
         Ok(answer) => {
-            let path = SmoothPath::integrate(&start, &goal, step_s, answer.jerk);
+            let path = SmoothPath::integrate(&start, &goal, step_s, answer.jerk)
+                .gone(scene.turning, limits);
             let moved = path.position.iter().zip(&positions).map(|(p, r)| (p - r).norm());
             let moved_m = moved.fold(0.0, f64::max);
             let found = answer.optimality;
@@ -140,6 +145,30 @@ pub fn project_within(
             Vec::new(),
         ),
     }
+}
+
+/// Speed along each axis below which the hand is at rest on its way, m/s. Not zero: a program needs
+/// some room to be solved from inside.
+const AT_REST_M_S: f64 = 1e-3;
+
+/// The conditions that hold the path at rest over a pause.
+fn resting(pause: Option<Pause>, duration_s: f64, steps: usize) -> Vec<Condition> {
+    let Some(pause) = pause else { return Vec::new() };
+    let from_s = pause.phase * (duration_s - pause.dwell_s);
+    let at = |k: &usize| {
+        let t = *k as f64 * duration_s / steps as f64;
+        t >= from_s && t <= from_s + pause.dwell_s
+    };
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()].into_iter().flat_map(|a| [a, -a]);
+    let of = |knot: usize| {
+        axes.clone().map(move |normal| Condition {
+            knot,
+            order: Order::Velocity,
+            normal,
+            bound: AT_REST_M_S,
+        })
+    };
+    (1..steps).filter(at).flat_map(of).collect()
 }
 
 /// Positions at the knots, first and last pose.

@@ -1,6 +1,7 @@
 //! What stands around a path besides its own limits: obstacles, and how far people reach.
 
 use super::limits::PathLimits;
+use super::turning::Turning;
 use crate::math::Vec3;
 use crate::robot::Obstacle;
 use serde::Serialize;
@@ -51,6 +52,8 @@ pub struct Scene<'a> {
     pub reaches: &'a [Reach],
     /// What the robot asks for.
     pub conditions: &'a [Condition],
+    /// How the path is gone along; none where it neither rests nor turns besides.
+    pub turning: Option<&'a Turning>,
 }
 
 impl Scene<'_> {

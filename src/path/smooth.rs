@@ -3,11 +3,13 @@
 //! ```text
 //! p(t_k + e) = p_k + v_k e + a_k e^2 / 2 + j_k e^3 / 6,   0 <= e <= dt,   t_k = k dt
 //! ```
-//! The orientation turns from start to goal about one fixed axis by the minimum-jerk law.
+//! The orientation turns from start to goal about one fixed axis by the minimum-jerk law, with what
+//! [`Turning`] adds.
 
+use super::turning::Turning;
 use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3, Vec6};
-use crate::trajectory::{TimedPath, TrajectoryError, minimum_jerk};
+use crate::trajectory::{TimedPath, TrajectoryError, phase};
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
 
@@ -29,6 +31,8 @@ pub struct SmoothPath {
     pub rotation: UnitQuaternion<f64>,
     /// Rotation vector from the start to the goal, rad.
     pub turn: Vec3,
+    /// How it is gone along.
+    pub turning: Turning,
 }
 
 impl SmoothPath {
@@ -45,6 +49,7 @@ impl SmoothPath {
             jerk,
             rotation: start.rotation,
             turn: rotation_between(&start.rotation, &goal.rotation),
+            turning: Turning::default(),
         };
         for j in &path.jerk {
             p += (v + (a / 2.0 + j * (h / 6.0)) * h) * h;
@@ -82,27 +87,47 @@ impl SmoothPath {
 
     /// Pose at time `t` (s), clamped to the path.
     pub fn pose_at(&self, t: f64) -> Pose {
-        let [s, ..] = minimum_jerk(t / self.duration_s());
-        let rotation = UnitQuaternion::from_scaled_axis(self.turn * s) * self.rotation;
+        let [s, _] = phase(t, self.duration_s(), self.turning.pause);
+        let mut rotation = UnitQuaternion::from_scaled_axis(self.turn * s) * self.rotation;
+        if let Some(sway) = &self.turning.sway {
+            rotation *= UnitQuaternion::from_scaled_axis(sway.position(s));
+        }
         Pose::from_parts(self.state_at(t)[0].into(), rotation)
     }
 
     /// Twist at time `t` (s), clamped to the path: linear (m/s), angular (rad/s), world axes.
     pub fn twist_at(&self, t: f64) -> Vec6 {
         let v = self.state_at(t)[1];
-        let w = self.angular_at(t)[0];
+        let w = self.angular_at(t);
         Vec6::new(v.x, v.y, v.z, w.x, w.y, w.z)
     }
 
-    /// Angular velocity (rad/s) and angular acceleration (rad/s^2) at time `t` (s), world axes.
-    pub fn angular_at(&self, t: f64) -> [Vec3; 2] {
-        let duration = self.duration_s();
-        let [_, speed, acceleration, _] = minimum_jerk(t / duration);
-        [self.turn * (speed / duration), self.turn * (acceleration / duration.powi(2))]
+    /// Angular velocity (rad/s) at time `t` (s), world axes.
+    fn angular_at(&self, t: f64) -> Vec3 {
+        let [s, rate] = phase(t, self.duration_s(), self.turning.pause);
+        let mut angular = self.turn * rate;
+        if let Some(sway) = &self.turning.sway {
+            let before = UnitQuaternion::from_scaled_axis(self.turn * s) * self.rotation;
+            angular += before * left_jacobian(&sway.position(s), &(sway.slope(s) * rate));
+        }
+        angular
     }
 
     /// The path at `steps + 1` equidistant times.
     pub fn timed(&self, steps: usize) -> Result<TimedPath, TrajectoryError> {
         TimedPath::sample(self.duration_s(), steps, |t| self.pose_at(t))
     }
+}
+
+/// Angular velocity of `exp(w)` when `w` changes at `rate`, in the axes before the turn.
+fn left_jacobian(w: &Vec3, rate: &Vec3) -> Vec3 {
+    let angle = w.norm();
+    // Series below: 1 - cos and 1 - sin / angle lose their digits.
+    let (a, b) = if angle < 1e-4 {
+        (0.5, 1.0 / 6.0)
+    } else {
+        ((1.0 - angle.cos()) / angle.powi(2), (angle - angle.sin()) / angle.powi(3))
+    };
+    let cross = w.cross(rate);
+    rate + cross * a + w.cross(&cross) * b
 }

@@ -41,6 +41,22 @@ impl ClampedSpline {
             + m1 * (u3 - u2)
     }
 
+    /// First derivative at `s`, clamped to [0, 1].
+    pub fn slope(&self, s: f64) -> Vec3 {
+        let (i, h, u) = self.place(s);
+        let chord = (self.points[i + 1] - self.points[i]) / h;
+        let (m0, m1) = (self.slopes[i], self.slopes[i + 1]);
+        chord * (6.0 * u * (1.0 - u))
+            + m0 * ((1.0 - u) * (1.0 - 3.0 * u))
+            + m1 * (u * (3.0 * u - 2.0))
+    }
+
+    /// The same curve, `factor` times as large.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let of = |list: &[Vec3]| list.iter().map(|v| v * factor).collect();
+        Self { knots: self.knots.clone(), points: of(&self.points), slopes: of(&self.slopes) }
+    }
+
     /// Second derivative at `s`, clamped to [0, 1].
     pub fn second_derivative(&self, s: f64) -> Vec3 {
         let (i, h, u) = self.place(s);
@@ -125,6 +141,9 @@ mod tests {
             assert!(jump.norm() < 1e-5, "{jump}");
         }
         let s = 0.45;
+        let slope = (spline.position(s + e) - spline.position(s - e)) / (2.0 * e);
+        assert_relative_eq!(slope, spline.slope(s), epsilon = 1e-8);
+        assert_relative_eq!(spline.scaled(0.3).position(s), spline.position(s) * 0.3);
         let numeric = (spline.position(s + 1e-4) - spline.position(s) * 2.0
             + spline.position(s - 1e-4))
             / 1e-8;

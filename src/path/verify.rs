@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 mod around;
 
-pub use around::{verify_motion, verify_optimality, verify_scene};
+pub use around::{verify_motion, verify_optimality, verify_samples_within, verify_scene};
 
 /// Points of the fine grid in one step.
 const FINER: usize = 10;

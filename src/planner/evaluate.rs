@@ -45,7 +45,7 @@ pub(super) struct Person<'a> {
     scenario: &'a Scenario,
     coupling: Coupling,
     body: &'a Body,
-    surveyor: Surveyor,
+    pub(super) surveyor: Surveyor,
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,
@@ -98,7 +98,7 @@ impl<'a> Person<'a> {
     }
 
     /// Pelvis in the world.
-    fn pelvis(&self, variant: &Variant) -> Pose {
+    pub(super) fn pelvis(&self, variant: &Variant) -> Pose {
         self.body.pelvis_pose(variant.at_m, variant.facing, self.scenario.worker.stance)
     }
 

@@ -95,6 +95,9 @@ pub(super) fn verdict(
     for own in candidates.iter().filter(|c| is_users(scenario, &c.id) && c.id != best.id) {
         lines.extend(against(&own.id, &format!("your path `{}`", own.id), comparisons));
     }
+    if !best.chosen.is_empty() {
+        lines.push(format!("Chosen with it: {}.", best.chosen.join("; ")));
+    }
     lines.extend(worth(scenario, &best.id, comparisons, &body.body));
     if best.bodies.len() > 1 {
         lines.push(format!("Figures are for the worst body, {}.", body.body));

@@ -7,7 +7,7 @@ use super::result::{CandidateResult, Evaluated, Status};
 use super::search::{SearchState, Tried};
 use super::searches::{LEARNED, OURS, PLAIN, RANDOM, Searches, WITHOUT};
 use super::space::Space;
-use crate::path::Family;
+use crate::path::{Candidate, Family};
 use rayon::prelude::*;
 
 /// Distance (white units) within which two points are the same path.
@@ -77,7 +77,8 @@ pub(super) fn finalists(
     let drawn = environment.scenario.drawn.iter();
     let nominal = environment.scenario.nominal();
     pool.extend(drawn.map(|d| Finalist {
-        prepared: workshop.candidate(d, &nominal),
+        prepared:
+            workshop.candidate(&Candidate { dwell_s: nominal.dwell_s, ..d.clone() }, &nominal),
         is_kept: true,
         value: None,
     }));
@@ -197,7 +198,9 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
     let mut tried: Vec<&Tried> = state.tried.iter().filter(|t| !ids.contains(&t.id)).collect();
     tried.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.id.cmp(&b.id)));
     let result = |t: &&Tried| {
-        let vias = space.decode(&t.id, &t.x).map(|c| c.candidate.vias).unwrap_or_default();
+        let choice = space.decode(&t.id, &t.x);
+        let chosen = choice.as_ref().map(|c| space.chosen(&c.variant)).unwrap_or_default();
+        let vias = choice.map(|c| c.candidate.vias).unwrap_or_default();
         let (status, evaluated) = match &t.refused {
             None => (Status::Feasible, Evaluated::Search),
             Some((stage, reason)) => {
@@ -213,6 +216,7 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             changes: Vec::new(),
             evaluated,
             vias_m: vias.into_iter().map(Into::into).collect(),
+            chosen,
             objective: (t.people > 0).then_some(t.value),
             bodies: Vec::new(),
             path: None,

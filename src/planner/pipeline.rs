@@ -5,6 +5,7 @@ use super::evaluate::{Person, Walks};
 use super::explain::{
     comparisons, inputs, model_summary, not_modelled, setting, verdict, worst_index,
 };
+use super::filming;
 use super::finalists::{Finalist, finalists, rest, select};
 use super::lens::lens;
 use super::objective::Figures;
@@ -180,7 +181,7 @@ fn run(
     let mut candidates = Vec::new();
     // The best path's walks of the body that scores worst: the one of the verdict.
     let mut best: Option<(Walks, &Finalist)> = None;
-    let mut rollouts = Vec::new();
+    let (mut rollouts, mut motions) = (Vec::new(), Vec::new());
     let walkable: Vec<&Finalist> = chosen.iter().filter(|f| f.value.is_some()).collect();
     let reported = counted(&environment, "reporting", (0, walkable.len(), None), &walkable, |f| {
         environment.report(&f.prepared, preset.rollouts_final)
@@ -191,6 +192,7 @@ fn run(
         if request.keeps_rollouts {
             rollouts.extend(environment.tables(&finalist.prepared, &walks, rank));
         }
+        motions.extend(environment.film(&finalist.prepared, &result, &walks));
         if best.is_none() && result.status == Status::Feasible {
             let worst = worst_index(&result.bodies);
             best = worst.and_then(|i| walks.into_iter().nth(i)).map(|w| (w, finalist));
@@ -225,6 +227,7 @@ fn run(
         planner: preset.clone(),
         search: searches.summary(),
         certificate,
+        scene: filming::scene(scenario, motions),
         rollouts,
         candidates,
     })
@@ -291,6 +294,7 @@ impl Environment<'_> {
 
     fn report(&self, prepared: &Prepared, count: usize) -> (CandidateResult, Vec<Walks>) {
         let mut result = bare(prepared, Evaluated::Reported);
+        result.chosen = self.scenario.chosen(&prepared.variant);
         let mut all = Vec::new();
         if let Some(path) = &prepared.path {
             result.path = prepared.data(self.scenario);
@@ -325,6 +329,7 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         evaluated,
         changes: prepared.changes.clone(),
         vias_m: prepared.vias_m.clone(),
+        chosen: Vec::new(),
         objective: None,
         bodies: Vec::new(),
         path: None,

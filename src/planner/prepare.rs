@@ -7,7 +7,7 @@ use crate::math::Pose;
 use crate::path::{
     Arm, Candidate, Change, Check, Family, Followed, Projection, ProjectionSettings, Reach, Scene,
     SmoothPath, Verification, project_for_arm, reference_path, verify, verify_motion,
-    verify_optimality, verify_samples, verify_scene,
+    verify_optimality, verify_samples, verify_samples_within, verify_scene,
 };
 use crate::robot::{
     Follow, FollowSettings, JointTrajectory, Robot, RobotMotion, Starts, check_joint_path,
@@ -64,7 +64,7 @@ impl<'a> Workshop<'a> {
 
     /// What the TCP's path has to mind.
     pub(super) fn scene(&self) -> Scene<'_> {
-        Scene { obstacles: &self.scenario.obstacles, reaches: &self.reaches, conditions: &[] }
+        Scene { obstacles: &self.scenario.obstacles, reaches: &self.reaches, ..Scene::default() }
     }
 
     pub(super) fn scenario(&self) -> &'a Scenario {
@@ -105,7 +105,7 @@ impl<'a> Workshop<'a> {
             candidate,
             &variant.start,
             &variant.goal,
-            variant.duration_s,
+            variant.whole_s(),
             self.preset.steps,
         );
         let reference = match reference {
@@ -128,7 +128,10 @@ impl<'a> Workshop<'a> {
         let starts = &starts.postures;
         // A ball about a shoulder that has moved with the worker would be another one.
         let is_walked = variant.at_m != s.worker.at_m || variant.facing != s.worker.facing;
-        let scene = Scene { reaches: if is_walked { &[] } else { &self.reaches }, ..self.scene() };
+        let most = s.free.turn_rad.unwrap_or(0.0);
+        let turning = candidate.turning(&variant.start, &variant.goal, most);
+        let reaches = if is_walked { &[] } else { &self.reaches[..] };
+        let scene = Scene { reaches, turning: turning.as_ref(), ..self.scene() };
         let arm = Arm { robot, starts, settings: &self.follow };
         let settings = self.projection_settings();
         match project_for_arm(&reference, &s.limits, &scene, &settings, &arm) {
@@ -188,7 +191,8 @@ impl<'a> Workshop<'a> {
     /// The user's own path: as it is, marked where it breaks a limit, never repaired.
     pub(super) fn users(&self, user: &UserPath) -> Prepared {
         let s = self.scenario;
-        let Verification { checks } = verify_samples(&user.path, &s.limits);
+        let Verification { mut checks } = verify_samples(&user.path, &s.limits);
+        checks.extend(verify_samples_within(&user.path, &s.limits, &self.scene()).checks);
         let mut violations: Vec<String> =
             checks.iter().filter(|c| !c.is_met()).map(Check::sentence).collect();
         let mut prepared = Prepared {

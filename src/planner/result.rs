@@ -3,6 +3,7 @@
 //! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
 
 use super::preset::Preset;
+use super::scene::Scene;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
 };
@@ -49,6 +50,8 @@ pub struct RunResult {
     pub search: Vec<SearchSummary>,
     /// How far the best path's figures can be trusted; none without a feasible path.
     pub certificate: Option<Certificate>,
+    /// The cell, the robot and the people over time, to be looked at.
+    pub scene: Scene,
     /// The sampled postures themselves, on request; written to files of their own.
     #[serde(skip)]
     pub rollouts: Vec<RolloutTable>,
@@ -145,6 +148,9 @@ pub struct CandidateResult {
     pub changes: Vec<Change>,
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
+    /// What was chosen besides the path, where the scenario leaves anything free.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub chosen: Vec<String>,
     /// The objective on the block that ranked it.
     pub objective: Option<f64>,
     /// Scores of each body.

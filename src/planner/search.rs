@@ -19,6 +19,7 @@ use super::space::Space;
 use crate::math::cma::Cma;
 use crate::math::stream::{Purpose, stream};
 use crate::posture::PostureLaw;
+use crate::scenario::Freedom;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -290,10 +291,11 @@ impl Environment<'_> {
 
     /// What of the path itself enters the objective.
     pub(super) fn terms(&self, p: &Prepared) -> PathTerms {
-        let is_free =
-            self.scenario.free.all.iter().any(|(f, _)| *f == crate::scenario::Freedom::Duration);
+        let free = &self.scenario.free;
+        let is_free = [Freedom::Duration, Freedom::Dwell].iter().any(|f| free.range(*f).is_some());
+        let nominal_s = self.scenario.nominal().whole_s();
         PathTerms {
-            time_share: is_free.then_some(p.variant.duration_s / self.scenario.duration_s),
+            time_share: is_free.then_some(p.variant.whole_s() / nominal_s),
             clearance_m: p.clearance.as_ref().map(|c| c.0),
         }
     }

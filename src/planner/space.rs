@@ -1,14 +1,15 @@
-//! The numbers that the search may choose: white via-points, then the scenario's freedoms.
+//! The numbers that the search may choose: white via-points, white turns where the tool may turn on
+//! its way, then the scenario's freedoms.
 //!
 //! A freedom with range `[lo, hi]` enters as `lo + Phi(x) (hi - lo)` with the normal distribution
 //! function Phi: a standard normal `x` is then uniform over the range, like the via-points' `x` is
 //! white, and no bound is ever broken.
 
 use super::preset::Preset;
-use crate::math::Vec3;
 use crate::math::stats::normal_cdf;
+use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, Family, ViaSpace};
-use crate::scenario::{Scenario, Variant};
+use crate::scenario::{Scenario, TURN_ON_THE_WAY, Variant};
 
 /// Height of the elbow over the floor, as a share of stature, in the expert's arc.
 const ELBOW_HEIGHT: f64 = 0.63;
@@ -31,6 +32,8 @@ pub(super) struct Space<'a> {
     named_offset_m: f64,
     /// For each free number whether this search may use it.
     is_used: Vec<bool>,
+    /// How far the tool may turn on its way, rad.
+    turn_rad: Option<f64>,
 }
 
 impl<'a> Space<'a> {
@@ -42,23 +45,34 @@ impl<'a> Space<'a> {
             offset_rms_m: preset.sampled_offset_m,
             named_offset_m: preset.named_offset_m,
             is_used: vec![true; scenario.free.all.len()],
+            turn_rad: scenario.free.turn_rad,
         }
     }
 
     /// The same without one freedom, by name.
     pub(super) fn without(&self, name: &str) -> Self {
         let keep = |(f, _): &(crate::scenario::Freedom, [f64; 2])| f.name() != name;
-        Self { is_used: self.scenario.free.all.iter().map(keep).collect(), ..self.clone() }
+        Self {
+            is_used: self.scenario.free.all.iter().map(keep).collect(),
+            turn_rad: self.turn_rad.filter(|_| name != TURN_ON_THE_WAY),
+            ..self.clone()
+        }
     }
 
     /// Number of search variables.
     pub(super) fn dimension(&self) -> usize {
-        3 * self.vias + self.is_used.iter().filter(|u| **u).count()
+        3 * self.vias + self.turns() + self.is_used.iter().filter(|u| **u).count()
+    }
+
+    /// Number of search variables that turn the tool.
+    fn turns(&self) -> usize {
+        if self.turn_rad.is_some() { 3 * self.vias } else { 0 }
     }
 
     /// The choice at `x`, as many numbers as the dimension.
     pub(super) fn decode(&self, id: &str, x: &[f64]) -> Option<Choice> {
-        let (white, free) = x.split_at_checked(3 * self.vias)?;
+        let (white, rest) = x.split_at_checked(3 * self.vias)?;
+        let (turns, free) = rest.split_at_checked(self.turns())?;
         let mut free = free.iter();
         let shares: Vec<Option<f64>> = self
             .is_used
@@ -67,7 +81,20 @@ impl<'a> Space<'a> {
             .collect();
         let variant = self.scenario.variant(&shares);
         let space = self.via_space(&variant)?;
-        Some(Choice { candidate: space.decode(id, white), variant })
+        let mut candidate = space.decode(id, white);
+        candidate.dwell_s = variant.dwell_s;
+        if let Some(most) = self.turn_rad {
+            // White rotation vectors, as smooth as the offsets; half of the bound in mid-path.
+            let still = Pose::identity();
+            let space = ViaSpace::new(self.vias, &still, &still, 0.5 * most)?;
+            candidate.turns = space.decode("", turns).vias;
+        }
+        Some(Choice { candidate, variant })
+    }
+
+    /// What a variant chooses besides the path, in words.
+    pub(super) fn chosen(&self, variant: &Variant) -> Vec<String> {
+        self.scenario.chosen(variant)
     }
 
     /// Search variables of the named families, the straight path first; freedoms in mid-range.
@@ -88,9 +115,10 @@ impl<'a> Space<'a> {
     pub(super) fn named(&self) -> Vec<Choice> {
         let variant = self.scenario.nominal();
         let Some(space) = self.via_space(&variant) else { return Vec::new() };
-        let choice = |(id, family, offset): &(&str, Family, Vec3)| Choice {
-            candidate: space.bent(*id, *family, offset),
-            variant: variant.clone(),
+        let choice = |(id, family, offset): &(&str, Family, Vec3)| {
+            let dwell_s = variant.dwell_s;
+            let candidate = Candidate { dwell_s, ..space.bent(*id, *family, offset) };
+            Choice { candidate, variant: variant.clone() }
         };
         let mut all: Vec<Choice> = self.families().iter().map(choice).collect();
         all.push(choice(&("expert_arc", Family::ExpertArc, self.expert_offset())));

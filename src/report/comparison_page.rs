@@ -51,7 +51,7 @@ pub(super) fn page(comparison: &Comparison, drawn: Option<&[u8]>) -> String {
         }
         section aria-labelledby="h-from" { h2 id="h-from" { "Where the runs come from" } (origins(&ranked)) }
     };
-    document("Comparison of runs – ergopath", &intro, &body)
+    document("Comparison of runs – ergopath", &intro, &body, &html! {})
 }
 
 /// Which run scores lowest, and how sure that is.

@@ -109,21 +109,23 @@ fn pictures<'a>(view: &View<'a>) -> [Option<&'a PosePicture>; 2] {
     [first, of.next_back()]
 }
 
+/// How far in front a path is drawn, and with which pen.
+pub(super) fn role(view: &View, c: &CandidateResult) -> (u8, Pen) {
+    if view.lead.is_some_and(|l| l.id == c.id) {
+        (3, BEST)
+    } else if view.straight.is_some_and(|s| s.id == c.id) {
+        (1, STRAIGHT)
+    } else if view.own.iter().any(|o| o.id == c.id) {
+        (2, OWN)
+    } else {
+        (0, OTHER)
+    }
+}
+
 /// The pen and the name of every kind of path, faint ones first.
 fn lines<'a>(view: &View<'a>) -> Vec<(Pen, &'a CandidateResult)> {
     let mut all: Vec<(Pen, &CandidateResult)> = Vec::new();
-    let role = |c: &CandidateResult| {
-        if view.lead.is_some_and(|l| l.id == c.id) {
-            (3, BEST)
-        } else if view.straight.is_some_and(|s| s.id == c.id) {
-            (1, STRAIGHT)
-        } else if view.own.iter().any(|o| o.id == c.id) {
-            (2, OWN)
-        } else {
-            (0, OTHER)
-        }
-    };
-    let mut order: Vec<_> = view.reported.iter().map(|c| (role(c), *c)).collect();
+    let mut order: Vec<_> = view.reported.iter().map(|c| (role(view, c), *c)).collect();
     order.sort_by_key(|((depth, _), _)| *depth);
     all.extend(order.into_iter().map(|((_, pen), c)| (pen, c)));
     all

@@ -113,7 +113,7 @@ fn page(picked: &Picked, frame: &Frame) -> String {
             div.sign { span { "Checked by" } span { "Date" } span { "Signature" } }
         }
     };
-    document(&title, &intro, &body)
+    document(&title, &intro, &body, &maud::html! {})
 }
 
 /// Totals for the other answer to a question that the motion is too short for.

@@ -1,6 +1,8 @@
 //! `report.html`: the frame of the page, the verdict and the figures.
 
+use super::ReportError;
 use super::page_evidence as evidence;
+use super::page_scene as scene;
 use super::page_scores as scores;
 use super::style::{RULA_LEVELS, css};
 use super::view::{View, change, percent, score};
@@ -13,6 +15,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// The style sheet of all pages.
 pub(super) const CSS: &str = include_str!("page.css");
+
+/// Makes tables sortable; part of all pages.
+const SORT_SCRIPT: &str = include_str!("sort.js");
 
 /// The figures of the page as PNG.
 #[derive(Debug, Clone)]
@@ -30,8 +35,9 @@ pub(super) struct ScoreFigures {
 }
 
 /// The sections in their order: id and heading.
-const SECTIONS: [(&str, &str); 13] = [
+const SECTIONS: [(&str, &str); 14] = [
     ("verdict", "Verdict"),
+    ("scene", "The scene in motion"),
     ("levels", "Time at each action level"),
     ("variants", "Paths compared"),
     ("paths", "The paths"),
@@ -47,11 +53,12 @@ const SECTIONS: [(&str, &str); 13] = [
 ];
 
 /// The page.
-pub(super) fn report(view: &View, figures: &Figures) -> String {
+pub(super) fn report(view: &View, figures: &Figures) -> Result<String, ReportError> {
     let setting = &view.result.setting;
     let title = format!("{} – ergopath report", setting.name);
-    let contents: [Markup; 13] = [
+    let contents: [Markup; 14] = [
         verdict(view),
+        scene::section(view),
         levels(view, figures),
         scores::variants(view),
         paths(view, figures),
@@ -83,11 +90,11 @@ pub(super) fn report(view: &View, figures: &Figures) -> String {
             }
         }
     };
-    document(&title, &intro, &body)
+    Ok(document(&title, &intro, &body, &scene::scripts(view)?))
 }
 
-/// A whole page around its content.
-pub(super) fn document(title: &str, intro: &Markup, body: &Markup) -> String {
+/// A whole page around its content; scripts of its own come last.
+pub(super) fn document(title: &str, intro: &Markup, body: &Markup, scripts: &Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -102,6 +109,8 @@ pub(super) fn document(title: &str, intro: &Markup, body: &Markup) -> String {
                 header.top { (intro) }
                 main id="main" { (body) }
                 footer { "Made by ergopath. The same numbers stand beside this page as files." }
+                script { (PreEscaped(SORT_SCRIPT)) }
+                (scripts)
             }
         }
     }

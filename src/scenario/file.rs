@@ -94,6 +94,10 @@ pub(super) struct FreeFile {
     pub worker_facing_deg: Option<[f64; 2]>,
     /// Least and greatest duration, s.
     pub duration_s: Option<[f64; 2]>,
+    /// Least and greatest rest on the way, s, besides the duration.
+    pub dwell_s: Option<[f64; 2]>,
+    /// Largest turn of the hand out of its straight turning, in mid-path, deg.
+    pub turn_on_the_way_deg: Option<f64>,
 }
 
 /// Who works, where, and in which posture.

@@ -41,6 +41,8 @@ pub enum Freedom {
     WorkerFacing,
     /// Duration, s.
     Duration,
+    /// Rest at the middle via-point, s.
+    Dwell,
 }
 
 impl Freedom {
@@ -61,6 +63,7 @@ impl Freedom {
             Self::WorkerOffset(_) => "place of the worker",
             Self::WorkerFacing => "facing of the worker",
             Self::Duration => "duration",
+            Self::Dwell => "rest on the way",
         }
     }
 }
@@ -80,8 +83,17 @@ pub struct Variant {
     pub at_m: [f64; 2],
     /// Facing of the worker, rad about world z.
     pub facing: f64,
-    /// Duration, s.
+    /// Duration of the movement, s.
     pub duration_s: f64,
+    /// How long the hand rests on its way, s; besides the duration.
+    pub dwell_s: f64,
+}
+
+impl Variant {
+    /// From start to goal with the rest, s.
+    pub fn whole_s(&self) -> f64 {
+        self.duration_s + self.dwell_s
+    }
 }
 
 /// The free numbers with their bounds.
@@ -93,7 +105,12 @@ pub struct Freedoms {
     pub starts: Vec<Pose>,
     /// Equivalent goals; the first is the scenario's.
     pub goals: Vec<Pose>,
+    /// How far the tool may turn on its way besides the turn from start to goal, rad.
+    pub turn_rad: Option<f64>,
 }
+
+/// Name of the freedom to turn on the way.
+pub const TURN_ON_THE_WAY: &str = "turn on the way";
 
 impl Scenario {
     /// Everything as the scenario says, nothing chosen.
@@ -106,6 +123,8 @@ impl Scenario {
             at_m: self.worker.at_m,
             facing: self.worker.facing,
             duration_s: self.duration_s,
+            // A rest that may be longer is at least as long as asked.
+            dwell_s: self.free.range(Freedom::Dwell).map_or(0.0, |[least, _]| least),
         }
     }
 
@@ -128,12 +147,59 @@ impl Scenario {
     }
 }
 
+impl Scenario {
+    /// What a variant chooses besides the path, a few words each; empty where nothing is free.
+    pub fn chosen(&self, v: &Variant) -> Vec<String> {
+        let from = self.nominal();
+        let at = |p: &Pose| {
+            let x = &p.translation.vector;
+            format!("({:.3}, {:.3}, {:.3}) m", x.x, x.y, x.z)
+        };
+        let turned = |a: &Pose, b: &Pose| a.rotation.angle_to(&b.rotation).to_degrees();
+        let mut words = Vec::new();
+        for (what, now, was) in [
+            ("start", &v.start, &from.start),
+            ("goal", &v.goal, &from.goal),
+            ("robot base", &v.base, &from.base),
+        ] {
+            if (now.translation.vector - was.translation.vector).norm() > 5e-4 {
+                words.push(format!("{what} at {}", at(now)));
+            }
+            if turned(now, was) > 0.05 {
+                words.push(format!("{what} turned by {:.1} deg", turned(now, was)));
+            }
+        }
+        if turned(&v.grip, &from.grip) > 0.05 {
+            words.push(format!("grip turned by {:.1} deg", turned(&v.grip, &from.grip)));
+        }
+        if v.at_m.iter().zip(from.at_m).any(|(a, b)| (a - b).abs() > 5e-4) {
+            words.push(format!("worker at ({:.3}, {:.3}) m", v.at_m[0], v.at_m[1]));
+        }
+        if (v.facing - from.facing).abs() > 1e-3 {
+            words.push(format!("worker facing {:.1} deg", v.facing.to_degrees()));
+        }
+        if self.free.range(Freedom::Duration).is_some() {
+            words.push(format!("duration {:.2} s", v.duration_s));
+        }
+        if self.free.range(Freedom::Dwell).is_some() {
+            words.push(format!("rest on the way {:.2} s", v.dwell_s));
+        }
+        words
+    }
+}
+
 impl Freedoms {
     /// Names of the freedoms, each once, in order.
     pub fn names(&self) -> Vec<&'static str> {
         let mut names: Vec<&'static str> = self.all.iter().map(|(f, _)| f.name()).collect();
         names.dedup();
+        names.extend(self.turn_rad.map(|_| TURN_ON_THE_WAY));
         names
+    }
+
+    /// The range of one free number.
+    pub fn range(&self, freedom: Freedom) -> Option<[f64; 2]> {
+        self.all.iter().find(|(f, _)| *f == freedom).map(|(_, range)| *range)
     }
 
     fn set(&self, v: &mut Variant, freedom: Freedom, value: f64) {
@@ -155,6 +221,7 @@ impl Freedoms {
             Freedom::WorkerOffset(axis) => v.at_m[axis] += value,
             Freedom::WorkerFacing => v.facing += value,
             Freedom::Duration => v.duration_s = value,
+            Freedom::Dwell => v.dwell_s = value,
         }
     }
 }
@@ -183,7 +250,12 @@ pub(super) fn resolve_free(
     start: &Pose,
     goal: &Pose,
 ) -> Result<Freedoms, InputError> {
-    let mut free = Freedoms { all: Vec::new(), starts: vec![*start], goals: vec![*goal] };
+    let mut free = Freedoms {
+        all: Vec::new(),
+        starts: vec![*start],
+        goals: vec![*goal],
+        turn_rad: turn_on_the_way(source, file)?,
+    };
     for (places, list, freedom, key) in [
         (&file.start_places, &mut free.starts, Freedom::StartPlace, "free.start_places"),
         (&file.goal_places, &mut free.goals, Freedom::GoalPlace, "free.goal_places"),
@@ -228,7 +300,21 @@ pub(super) fn resolve_free(
         let range = checked_range(source, range, "free.duration_s", [0.05, 600.0])?;
         free.all.push((Freedom::Duration, range));
     }
+    if let Some(range) = file.dwell_s {
+        let range = checked_range(source, range, "free.dwell_s", [0.0, 600.0])?;
+        free.all.push((Freedom::Dwell, range));
+    }
     Ok(free)
+}
+
+fn turn_on_the_way(source: &Source, file: &FreeFile) -> Result<Option<f64>, InputError> {
+    let Some(most) = file.turn_on_the_way_deg else { return Ok(None) };
+    if most > 0.0 && most <= 90.0 {
+        return Ok(Some(most.to_radians()));
+    }
+    Err(source
+        .plain(format!("free.turn_on_the_way_deg = {most} is not within 0 to 90"))
+        .remedy("give the largest angle by which the tool may turn besides, in degrees"))
 }
 
 fn push_half(

@@ -1,6 +1,6 @@
 //! Margins of a projected path beyond its own limits: surroundings, robot, optimality.
 
-use super::{Quantity, Verification, fine_states, size, worst};
+use super::{Check, Quantity, Verification, fine_states, size, worst};
 use crate::math::Vec3;
 use crate::path::limits::PathLimits;
 use crate::path::scene::{Reach, Scene};
@@ -22,13 +22,32 @@ pub fn verify_scene(
     scene: &Scene,
     reference: &TimedPath,
 ) -> Verification {
-    let mut checks = Vec::new();
     let fine = fine_states(path).unwrap_or_default();
-    let largest = |quantity, of: &dyn Fn(f64, &Vec3) -> f64| {
-        worst(quantity, 0.0, fine.iter().map(|(t, state)| (*t, of(*t, &state[0]))))
+    let positions: Vec<(f64, Vec3)> = fine.iter().map(|(t, state)| (*t, state[0])).collect();
+    let mut checks = surroundings(&positions, limits, scene);
+    if let Some(radius) = limits.corridor_m {
+        let middle = |t: f64| reference.pose_at(reference.start_s() + t).translation.vector;
+        let beyond = positions.iter().map(|(t, p)| (*t, size(&(p - middle(*t))) - radius));
+        checks.push(worst(Quantity::Corridor, 0.0, beyond));
+        checks.retain(|c| c.value > f64::NEG_INFINITY);
+    }
+    Verification { checks }
+}
+
+/// Measures the samples of a path against obstacles and reaches.
+pub fn verify_samples_within(path: &TimedPath, limits: &PathLimits, scene: &Scene) -> Verification {
+    let positions: Vec<(f64, Vec3)> =
+        path.time_s.iter().zip(&path.poses).map(|(t, p)| (*t, p.translation.vector)).collect();
+    Verification { checks: surroundings(&positions, limits, scene) }
+}
+
+fn surroundings(positions: &[(f64, Vec3)], limits: &PathLimits, scene: &Scene) -> Vec<Check> {
+    let mut checks = Vec::new();
+    let largest = |quantity, of: &dyn Fn(&Vec3) -> f64| {
+        worst(quantity, 0.0, positions.iter().map(|(t, p)| (*t, of(p))))
     };
-    if let (Some(first), Some(last)) = (path.position.first(), path.position.last()) {
-        let depth = |_: f64, p: &Vec3| {
+    if let (Some((_, first)), Some((_, last))) = (positions.first(), positions.last()) {
+        let depth = |p: &Vec3| {
             let of = |i: usize| {
                 let clearance = scene.clearance_m(i, limits, [first, last]);
                 clearance - scene.obstacles[i].1.signed_distance(p)
@@ -37,17 +56,13 @@ pub fn verify_scene(
         };
         checks.push(largest(Quantity::KeepOut, &depth));
     }
-    if let Some(radius) = limits.corridor_m {
-        let middle = |t: f64| reference.pose_at(reference.start_s() + t).translation.vector;
-        checks.push(largest(Quantity::Corridor, &|t, p| size(&(p - middle(t))) - radius));
-    }
-    let beyond = |_: f64, p: &Vec3| {
+    let beyond = |p: &Vec3| {
         let of = |r: &Reach| size(&(p - r.center)) - r.radius_m;
         scene.reaches.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
     };
     checks.push(largest(Quantity::Reach, &beyond));
     checks.retain(|c| c.value > f64::NEG_INFINITY);
-    Verification { checks }
+    checks
 }
 
 /// The conditions of optimality of a projection, against 1e-6.

@@ -1,0 +1,179 @@
+//! Makes the moving scene from robot motions and sampled postures.
+
+use super::evaluate::{Person, Walk, Walks};
+use super::pipeline::Environment;
+use super::prepare::Prepared;
+use super::result::CandidateResult;
+use super::scene::{
+    Points, Scene, SceneMotion, SceneObstacle, ScenePeople, SceneRobot, SceneShape, Walker, joined,
+};
+use crate::math::{Pose, Vec3};
+use crate::robot::{Obstacle, Robot, capsules, stick};
+use crate::scenario::Scenario;
+use crate::survey::Lens;
+use nalgebra::DVector;
+
+/// Moments that are kept of a motion; a viewer draws the frames between them.
+const MOMENTS: usize = 26;
+/// Repetitions that are shown beside the typical one.
+const GHOSTS: usize = 8;
+/// Radius of a robot's stick figure where its description has no capsules, m.
+const STICK_RADIUS_M: f64 = 0.03;
+
+/// The cell, and the motions along the reported paths.
+pub(super) fn scene(scenario: &Scenario, motions: Vec<SceneMotion>) -> Scene {
+    let workspace = scenario.limits.workspace.as_ref();
+    Scene {
+        workspace_m: workspace.map(|b| [b.min.into(), b.max.into()]),
+        obstacles: scenario.obstacles.iter().map(obstacle).collect(),
+        motions,
+    }
+}
+
+fn obstacle((name, obstacle): &(String, Obstacle)) -> SceneObstacle {
+    let center = |pose: &Pose| pose.translation.vector.into();
+    let turn = |pose: &Pose| {
+        let q = pose.rotation.quaternion();
+        [q.w, q.i, q.j, q.k]
+    };
+    let shape = match *obstacle {
+        Obstacle::Box { ref pose, size } => SceneShape::Box {
+            center_m: center(pose),
+            quaternion_wxyz: turn(pose),
+            size_m: size.into(),
+        },
+        Obstacle::Sphere { center, radius } => {
+            SceneShape::Sphere { center_m: center.into(), radius_m: radius }
+        }
+        Obstacle::Capsule { a, b, radius } => {
+            SceneShape::Capsule { ends_m: [a.into(), b.into()], radius_m: radius }
+        }
+        Obstacle::Cylinder { ref pose, radius, length } => SceneShape::Cylinder {
+            center_m: center(pose),
+            quaternion_wxyz: turn(pose),
+            radius_m: radius,
+            length_m: length,
+        },
+    };
+    SceneObstacle { name: name.clone(), shape }
+}
+
+impl Environment<'_> {
+    /// Robot and people along a reported path.
+    pub(super) fn film(
+        &self,
+        prepared: &Prepared,
+        result: &CandidateResult,
+        walks: &[Walks],
+    ) -> Option<SceneMotion> {
+        let path = prepared.path.as_ref()?;
+        let last = path.time_s.len() - 1;
+        let count = MOMENTS.min(last + 1);
+        let samples: Vec<usize> = (0..count).map(|i| i * last / (count - 1).max(1)).collect();
+        let robot_q = result.path.as_ref().map(|p| &p.robot_q);
+        let robot = robot_q.filter(|q| q.len() > last).map(|q| {
+            let postures: Vec<&[f64]> = samples.iter().map(|&k| q[k].as_slice()).collect();
+            filmed_robot(&self.workshop.robot_of(&prepared.variant), &postures)
+        });
+        let people =
+            self.people.iter().zip(walks).zip(&result.bodies).map(|((person, walks), b)| {
+                let pelvis = person.pelvis(&prepared.variant);
+                Filming { person, pelvis, samples: &samples, lens: self.lens }
+                    .people(walks, &b.rula_by_rollout)
+            });
+        Some(SceneMotion {
+            candidate: prepared.id.clone(),
+            people: people.collect(),
+            samples,
+            robot,
+        })
+    }
+}
+
+/// The capsules of a robot, or its stick figure, in each posture.
+fn filmed_robot(robot: &Robot, postures: &[&[f64]]) -> SceneRobot {
+    let mut radii: Vec<f64> = postures
+        .first()
+        .map_or_else(Vec::new, |q| capsules(robot, q).iter().map(|c| c.radius).collect());
+    let is_stick = radii.is_empty();
+    let ends = |q: &&[f64]| -> Vec<Vec3> {
+        if is_stick {
+            stick(robot, q).windows(2).flat_map(|w| [w[0], w[1]]).collect()
+        } else {
+            capsules(robot, q).iter().flat_map(|c| [c.a, c.b]).collect()
+        }
+    };
+    let moments: Vec<Vec<Vec3>> = postures.iter().map(ends).collect();
+    if is_stick {
+        radii = vec![STICK_RADIUS_M; moments.first().map_or(0, |m| m.len() / 2)];
+    }
+    let (capsules, mut tracks) = joined(&[Points::of(&moments)], &radii);
+    SceneRobot { capsules, track: tracks.pop().unwrap_or_default() }
+}
+
+/// One body along one path.
+struct Filming<'a> {
+    person: &'a Person<'a>,
+    pelvis: Pose,
+    samples: &'a [usize],
+    lens: &'a Lens,
+}
+
+impl Filming<'_> {
+    fn people(&self, walks: &Walks, rula: &[f64]) -> ScenePeople {
+        let typical = self.typical(&walks.all);
+        let shown: Vec<usize> = typical.into_iter().chain(self.ghosts(&walks.all, rula)).collect();
+        let figure = self.person.surveyor.figure();
+        let points: Vec<Points> = shown
+            .iter()
+            .map(|&r| {
+                let at = |&k: &usize| figure.place(&self.pelvis, &walks.all[r].rollout.q[k]);
+                Points::of(&self.reached(&walks.all[r]).iter().map(at).collect::<Vec<_>>())
+            })
+            .collect();
+        let (capsules, tracks) = joined(&points, figure.radii_m());
+        let mut walkers = shown.iter().zip(tracks).map(|(&rollout, track)| {
+            let walk = &walks.all[rollout];
+            let scores = self.reached(walk).iter().map(|&k| walk.angles[k].score(self.lens));
+            let (rula, reba) = scores.map(|(rula, reba)| (rula.grand, reba.total)).unzip();
+            Walker { rollout, rula, reba, track }
+        });
+        let typical = typical.and_then(|_| walkers.next());
+        let body = self.person.name.clone();
+        ScenePeople { body, capsules, typical, ghosts: walkers.collect() }
+    }
+
+    /// The samples at which the hand was where it should be.
+    fn reached(&self, walk: &Walk) -> &[usize] {
+        let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+        &self.samples[..self.samples.partition_point(|&k| k < end)]
+    }
+
+    /// The repetition nearest to the mean posture, among those that come farthest. A posture made of
+    /// mean angles would not hold the hand on the path; this one does.
+    fn typical(&self, all: &[Walk]) -> Option<usize> {
+        let far = all.iter().map(|w| self.reached(w).len()).max().filter(|n| *n > 0)?;
+        let whole: Vec<usize> =
+            (0..all.len()).filter(|&r| self.reached(&all[r]).len() == far).collect();
+        let q = |r: usize, k: usize| &all[r].rollout.q[k];
+        let samples = &self.samples[..far];
+        let mean_at = |&k: &usize| {
+            let zero = DVector::zeros(q(whole[0], k).len());
+            whole.iter().fold(zero, |sum, &r| sum + q(r, k)) / whole.len() as f64
+        };
+        let means: Vec<DVector<f64>> = samples.iter().map(mean_at).collect();
+        let off = |r: usize| -> f64 {
+            samples.iter().zip(&means).map(|(&k, mean)| (q(r, k) - mean).norm_squared()).sum()
+        };
+        whole.iter().copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
+    }
+
+    /// Repetitions spread evenly over their ranking by RULA.
+    fn ghosts(&self, all: &[Walk], rula: &[f64]) -> Vec<usize> {
+        let mut ranked: Vec<usize> =
+            (0..all.len().min(rula.len())).filter(|&r| !self.reached(&all[r]).is_empty()).collect();
+        ranked.sort_by(|&a, &b| rula[a].total_cmp(&rula[b]).then(a.cmp(&b)));
+        let count = GHOSTS.min(ranked.len());
+        (0..count).map(|i| ranked[(2 * i + 1) * ranked.len() / (2 * count)]).collect()
+    }
+}

@@ -1,0 +1,206 @@
+//! The moving scene of the page: markup, data and the library that draws it.
+
+use super::ReportError;
+use super::figure_paths::role;
+use super::style::{RULA_LEVELS, Stroke, css};
+use super::view::{View, family_words};
+use crate::ergonomics::BandOverTime;
+use crate::planner::{CandidateResult, SceneMotion, SceneObstacle};
+use maud::{Markup, PreEscaped, html};
+use serde::Serialize;
+
+/// Draws the scene; part of the page.
+const SCENE_SCRIPT: &str = include_str!("scene.js");
+
+/// The scene and what is said beside it.
+#[derive(Serialize)]
+struct PageScene<'a> {
+    workspace_m: Option<[[f64; 3]; 2]>,
+    obstacles: &'a [SceneObstacle],
+    motions: Vec<PageMotion<'a>>,
+    facing: [f64; 2],
+    /// The body that is shown first.
+    body: &'a str,
+    levels: Vec<PageLevel>,
+}
+
+#[derive(Serialize)]
+struct PageMotion<'a> {
+    #[serde(flatten)]
+    motion: &'a SceneMotion,
+    name: String,
+    color: String,
+    dash: &'static str,
+    /// x, y, z of the TCP, whole mm.
+    tcp_mm: Vec<i64>,
+    /// At the moments of the motion.
+    time_s: Vec<f64>,
+    scores: Vec<PageScores<'a>>,
+}
+
+#[derive(Serialize)]
+struct PageScores<'a> {
+    body: &'a str,
+    rula: BandOverTime,
+    reba: BandOverTime,
+}
+
+#[derive(Serialize)]
+struct PageLevel {
+    number: u8,
+    /// Highest score of the level.
+    to: u8,
+    color: String,
+    words: &'static str,
+}
+
+/// The reported paths that can be shown, best first.
+fn shown<'a>(view: &View<'a>) -> Vec<(&'a CandidateResult, &'a SceneMotion)> {
+    let motions = &view.result.scene.motions;
+    let with_motion =
+        |c: &&'a CandidateResult| Some((*c, motions.iter().find(|m| m.candidate == c.id)?));
+    view.reported.iter().filter_map(with_motion).collect()
+}
+
+fn page_motion<'a>(
+    view: &View,
+    candidate: &'a CandidateResult,
+    motion: &'a SceneMotion,
+) -> Option<PageMotion<'a>> {
+    let path = candidate.path.as_ref()?;
+    let (_, pen) = role(view, candidate);
+    let at = |values: &[f64]| -> Vec<f64> {
+        motion.samples.iter().filter_map(|&k| values.get(k).copied()).collect()
+    };
+    let band =
+        |b: &BandOverTime| BandOverTime { mean: at(&b.mean), p05: at(&b.p05), p95: at(&b.p95) };
+    let scores = candidate.bodies.iter().map(|b| PageScores {
+        body: &b.body,
+        rula: band(&b.rula.band),
+        reba: band(&b.reba.band),
+    });
+    let millimetres = |t: &[f64; 7]| [t[0], t[1], t[2]].map(|v| (1e3 * v).round() as i64);
+    Some(PageMotion {
+        motion,
+        name: named(candidate),
+        color: css(pen.color),
+        dash: match pen.stroke {
+            Stroke::Solid => "solid",
+            Stroke::Dashed => "dash",
+            Stroke::Dotted => "dot",
+        },
+        tcp_mm: path.tcp.iter().flat_map(millimetres).collect(),
+        time_s: at(&path.time_s),
+        scores: scores.collect(),
+    })
+}
+
+fn named(candidate: &CandidateResult) -> String {
+    let rank = candidate.rank.map_or_else(String::new, |r| format!("{r}. "));
+    format!("{rank}{} ({})", candidate.id, family_words(candidate.family))
+}
+
+/// The section; its controls appear when the script has made the scene.
+pub(super) fn section(view: &View) -> Markup {
+    let paths = shown(view);
+    let Some((first, _)) = paths.first() else {
+        return html! { p { "No path was scored, so nothing moves." } };
+    };
+    html! {
+        p {
+            "The robot, the person as a body of capsules, and the paths; in motion. The person shown is the \
+             repetition nearest to the mean posture of all. Translucent ghosts are other repetitions, spread evenly \
+             over their ranking by RULA: how far postures differ between people and days."
+        }
+        noscript { p.note { "The scene needs scripts. The figures below show start and goal without them." } }
+        p.note.scripted id="scene-status" role="status" { "The scene is being made \u{2026}" }
+        p.printed { "The scene moves on a screen only; \u{201c}The paths\u{201d} below shows start and goal." }
+        div.scene id="scene-box" hidden {
+            div.controls role="group" aria-label="What the scene shows" {
+                label { "Path " select id="scene-path" {
+                    @for (i, (c, _)) in paths.iter().enumerate() { option value=(i) { (named(c)) } }
+                } }
+                label { "Body size " select id="scene-body" {
+                    @for b in &first.bodies {
+                        option value=(b.body) selected[view.body == Some(b.body.as_str())] { (b.body) }
+                    }
+                } }
+                label { input type="checkbox" id="scene-ghosts" checked; " Ghosts" }
+                span.views role="group" aria-label="View" {
+                    @for (id, words) in [("free", "Free"), ("side", "Side"), ("front", "Front"), ("top", "Top")] {
+                        button type="button" data-view=(id) { (words) }
+                    }
+                }
+            }
+            div id="scene-plot" tabindex="0" role="group"
+                aria-label="3-D scene. Drag or use the arrow keys to turn it, plus and minus to zoom." {}
+            div.controls role="group" aria-label="Time" {
+                button type="button" id="scene-play" { "Play" }
+                label.wide { "Time " input type="range" id="scene-frame" min="0" max="99" value="0"; }
+                span id="scene-time" {}
+            }
+            dl.readout id="scene-readout" aria-live="polite" {
+                div { dt { span.swatch id="scene-swatch" {} "Person shown, now" } dd id="scene-own" {} }
+                div { dt { "RULA of all repetitions, now" } dd id="scene-rula" {} }
+                div { dt { "REBA of all repetitions, now" } dd id="scene-reba" {} }
+            }
+            p.note {
+                "The person has the colour of the RULA action level of the moment: "
+                @for (i, l) in RULA_LEVELS.iter().enumerate() {
+                    @if i > 0 { ", " }
+                    span.swatch style={ "background:" (css(l.color)) } {} (l.number) " " (l.words)
+                }
+                ". Grid 0.5 m. A ghost disappears when its hand can no longer follow."
+            }
+        }
+    }
+}
+
+/// Data, library and script; empty without a scored path.
+pub(super) fn scripts(view: &View) -> Result<Markup, ReportError> {
+    let paths = shown(view);
+    let (Some((first, _)), Some(library)) = (paths.first(), library()) else { return Ok(html! {}) };
+    let page = PageScene {
+        workspace_m: view.result.scene.workspace_m,
+        obstacles: &view.result.scene.obstacles,
+        motions: paths.iter().filter_map(|(c, m)| page_motion(view, c, m)).collect(),
+        facing: view.result.setting.facing,
+        body: view.body.or(first.bodies.first().map(|b| b.body.as_str())).unwrap_or_default(),
+        levels: RULA_LEVELS
+            .iter()
+            .map(|l| PageLevel {
+                number: l.number,
+                to: l.scores.1,
+                color: css(l.color),
+                words: l.words,
+            })
+            .collect(),
+    };
+    // No `<` in the data can end the element or open a comment.
+    let data = serde_json::to_string(&page)?.replace('<', "\\u003c");
+    Ok(html! {
+        script type="application/json" id="scene-data" { (PreEscaped(data)) }
+        script type="text/plain" id="scene-library" { (PreEscaped(library)) }
+        script { (PreEscaped(SCENE_SCRIPT)) }
+    })
+}
+
+/// plotly.js, without the typesetting of formulae that the crate puts beside it.
+fn library() -> Option<String> {
+    let all = plotly::Plot::offline_js_sources();
+    let (_, rest) = all.split_once("<script type=\"text/javascript\">")?;
+    let (script, _) = rest.split_once("</script>")?;
+    Some(script.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_library_is_plotly_alone() {
+        let script = super::library().unwrap();
+        assert!(script.contains("plotly.js v3"));
+        // What would let the page's parser leave the element early.
+        assert!(!script.contains("</script") && !script.contains("<!--"));
+        assert!(!script.contains("MathJax-script") && script.len() < 5_500_000);
+    }
+}

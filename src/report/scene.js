@@ -1,0 +1,402 @@
+// The moving scene of report.html. Everything comes from the page itself: plotly.js, which draws, lies
+// in one inert script element, the data in another; both are read once the page has been painted.
+"use strict";
+(() => {
+  const FRAMES = 100;
+  const $ = (id) => document.getElementById(id);
+  const box = $("scene-box");
+  const data = JSON.parse($("scene-data").textContent);
+  const LIGHT = { ambient: 0.62, diffuse: 0.6, specular: 0.08, roughness: 0.9, fresnel: 0.05 };
+  const INK = "#1a202c";
+
+  // ---- from data to points --------------------------------------------------------------------
+
+  /** Points of a track (see `Track` in result.json) at each moment, m: [moment][3 point + axis]. */
+  function unpack(track, moments) {
+    const axes = track.split(";").slice(0, -1).map((text) => text.split(" ").map(Number));
+    const sums = axes.map(() => 0);
+    return Array.from({ length: moments }, (_, k) =>
+      Float32Array.from(axes, (changes, i) => (sums[i] += changes[k] || 0) / 1000));
+  }
+
+  /** Points between two moments; none after the last moment of a repetition that lost the path. */
+  function between(points, at) {
+    const k = Math.floor(at);
+    if (k + 1 >= points.length) return at <= points.length - 1 ? points[k] : null;
+    const share = at - k;
+    return points[k].map((v, i) => v + share * (points[k + 1][i] - v));
+  }
+
+  const cross = (a, b) =>
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const unit = (v) => { const n = Math.hypot(...v) || 1; return v.map((c) => c / n); };
+
+  /** A mesh of capsules, `sides` around and `rings` from equator to pole; its shape never changes. */
+  function tubes(capsules, copies, sides, rings) {
+    const levels = 2 * rings;
+    const perTube = levels * sides;
+    const count = capsules.length * copies * perTube;
+    const mesh = { x: new Float32Array(count), y: new Float32Array(count), z: new Float32Array(count) };
+    const [i, j, k] = [[], [], []];
+    for (let base = 0; base < count; base += perTube) {
+      for (let level = 0; level + 1 < levels; level++) {
+        for (let side = 0; side < sides; side++) {
+          const a = base + level * sides + side;
+          const b = base + level * sides + ((side + 1) % sides);
+          i.push(a, b); j.push(b, b + sides); k.push(a + sides, a + sides);
+        }
+      }
+    }
+    const turns = Array.from({ length: sides }, (_, s) =>
+      [Math.cos((2 * Math.PI * s) / sides), Math.sin((2 * Math.PI * s) / sides)]);
+    const arc = Array.from({ length: rings }, (_, r) => (r / Math.max(rings - 1, 1)) * (Math.PI / 2));
+    /** Puts copy `copy` where its points are; without points it shrinks to nothing. */
+    function place(copy, points) {
+      let n = copy * capsules.length * perTube;
+      for (const capsule of capsules) {
+        const end = (e) => points ? points.subarray(3 * capsule.ends[e], 3 * capsule.ends[e] + 3) : [0, 0, 0];
+        const [a, b] = [end(0), end(1)];
+        const radius = points ? capsule.radius_mm / 1000 : 0;
+        const along = unit([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
+        const u = unit(cross(along, Math.abs(along[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+        const v = cross(along, u);
+        for (let level = 0; level < levels; level++) {
+          const isA = level < rings;
+          const angle = isA ? arc[level] : arc[levels - 1 - level];
+          const [c, out] = [isA ? a : b, radius * Math.sin(angle)];
+          const on = (isA ? -1 : 1) * radius * Math.cos(angle);
+          for (const [cos, sin] of turns) {
+            mesh.x[n] = c[0] + along[0] * on + out * (u[0] * cos + v[0] * sin);
+            mesh.y[n] = c[1] + along[1] * on + out * (u[1] * cos + v[1] * sin);
+            mesh.z[n] = c[2] + along[2] * on + out * (u[2] * cos + v[2] * sin);
+            n++;
+          }
+        }
+      }
+    }
+    return { mesh, i, j, k, place };
+  }
+
+  // ---- what stands still ----------------------------------------------------------------------
+
+  /** A point turned by a quaternion and moved. */
+  function posed(p, [w, x, y, z], center) {
+    const t = cross([x, y, z], p).map((c) => 2 * c);
+    const s = cross([x, y, z], t);
+    return p.map((c, i) => c + w * t[i] + s[i] + center[i]);
+  }
+
+  const CORNERS = [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]];
+  const EDGES = [[0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7]];
+  const FACES = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
+    [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]];
+
+  /** Points and triangles of an obstacle. */
+  function solid(o) {
+    if (o.shape === "box") {
+      const half = o.size_m.map((s) => s / 2);
+      const points = CORNERS.map((c) => posed(c.map((s, i) => s * half[i]), o.quaternion_wxyz, o.center_m));
+      return { points, faces: FACES, edges: EDGES };
+    }
+    if (o.shape === "cylinder") {
+      const n = 32;
+      const ring = (h) => Array.from({ length: n }, (_, s) => posed([o.radius_m * Math.cos((2 * Math.PI * s) / n),
+        o.radius_m * Math.sin((2 * Math.PI * s) / n), h], o.quaternion_wxyz, o.center_m));
+      const points = [...ring(-o.length_m / 2), ...ring(o.length_m / 2)];
+      const faces = [];
+      for (let s = 0; s < n; s++) {
+        const t = (s + 1) % n;
+        faces.push([s, t, n + s], [t, n + t, n + s]);
+        if (s > 0 && s + 1 < n) faces.push([0, t, s], [n, n + s, n + t]);
+      }
+      const loop = (from) => [...Array(n).keys(), 0].map((s) => from + s);
+      return { points, faces, edges: [loop(0), loop(n)] };
+    }
+    const [a, b] = o.shape === "sphere" ? [o.center_m, o.center_m] : o.ends_m;
+    const ball = tubes([{ ends: [0, 1], radius_mm: 1000 * o.radius_m }], 1, 24, 8);
+    ball.place(0, Float32Array.from([...a, ...b]));
+    return {
+      points: Array.from(ball.mesh.x, (x, n) => [x, ball.mesh.y[n], ball.mesh.z[n]]),
+      faces: ball.i.map((v, n) => [v, ball.j[n], ball.k[n]]), edges: [],
+    };
+  }
+
+  const columns = (points) => ({ x: points.map((p) => p && p[0]), y: points.map((p) => p && p[1]), z: points.map((p) => p && p[2]) });
+  const line = (points, name, color, width, dash) => ({
+    type: "scatter3d", mode: "lines", ...columns(points), name, hoverinfo: "skip", showlegend: false,
+    connectgaps: false, line: { color, width, dash: dash || "solid" },
+  });
+  const words = (points, text, color, size) => ({
+    type: "scatter3d", mode: "text", ...columns(points), text, hoverinfo: "skip", showlegend: false,
+    textposition: "top center", textfont: { color, size: size || 14 },
+  });
+
+  function cell(limits) {
+    const traces = [];
+    const all = { points: [], faces: [], edges: [] };
+    const names = [];
+    for (const o of data.obstacles) {
+      const { points, faces, edges } = solid(o);
+      const from = all.points.length;
+      all.points.push(...points);
+      all.faces.push(...faces.map((f) => f.map((v) => v + from)));
+      for (const edge of edges) all.edges.push(...edge.map((v) => points[v]), null);
+      const middle = [0, 1].map((a) => points.reduce((s, p) => s + p[a], 0) / points.length);
+      names.push([...middle, Math.max(...points.map((p) => p[2]))]);
+    }
+    if (all.points.length) {
+      const [i, j, k] = [0, 1, 2].map((c) => all.faces.map((f) => f[c]));
+      traces.push({ type: "mesh3d", ...columns(all.points), i, j, k, color: "#8d97a6", opacity: 0.45,
+        flatshading: true, lighting: LIGHT, hoverinfo: "skip", name: "obstacles", showlegend: true });
+      traces.push(line(all.edges, "", "#545e6e", 2));
+      traces.push(words(names, data.obstacles.map((o) => o.name), "#3b4453", 13));
+    }
+    if (data.workspace_m) {
+      const [low, high] = data.workspace_m;
+      const corner = (c) => c.map((s, a) => (s < 0 ? low[a] : high[a]));
+      const edges = EDGES.flatMap((e) => [...e.map((v) => corner(CORNERS[v])), null]);
+      traces.push({ ...line(edges, "workspace of the tool", "#005a8c", 2, "dot"), showlegend: true });
+    }
+    // A bar of 1 m and the world's axes on the floor, in a corner.
+    const [x, y, z] = [limits[0][0] + 0.1, limits[1][0] + 0.1, limits[2][0] + 0.005];
+    const tip = 0.35;
+    traces.push(line([[x, y, z], [x + tip, y, z], null, [x, y, z], [x, y + tip, z], null, [x, y, z], [x, y, z + tip]], "", INK, 5));
+    traces.push(words([[x + tip, y, z], [x, y + tip, z], [x, y, z + tip]], ["x", "y", "z"], INK, 16));
+    const [left, near] = [limits[0][1] - 1.1, limits[1][0] + 0.1];
+    traces.push(line([[left, near, z], [left + 1, near, z]], "", INK, 8));
+    traces.push(words([[left + 0.5, near, z]], ["1 m"], INK, 16));
+    return traces;
+  }
+
+  // ---- the plot -------------------------------------------------------------------------------
+
+  const motionOf = (c) => data.motions[c];
+  const state = { path: 0, body: data.body, frame: 0, playing: false, ghosts: true };
+
+  function unpacked(motion) {
+    if (!motion.ready) {
+      const count = motion.samples.length;
+      motion.ready = {
+        robot: motion.robot && unpack(motion.robot.track, count),
+        people: motion.people.map((p) => ({
+          typical: p.typical && unpack(p.typical.track, p.typical.rula.length),
+          ghosts: p.ghosts.map((g) => unpack(g.track, g.rula.length)),
+        })),
+      };
+    }
+    return motion.ready;
+  }
+
+  /** Lowest and highest coordinate of everything that is shown, with some room; the floor is in it. */
+  function extent() {
+    const limits = [0, 1, 2].map(() => [Infinity, -Infinity]);
+    const meet = (p) => limits.forEach((l, a) => { l[0] = Math.min(l[0], p[a]); l[1] = Math.max(l[1], p[a]); });
+    for (const motion of data.motions) {
+      const ready = unpacked(motion);
+      const sets = [ready.robot, ...ready.people.flatMap((p) => [p.typical, ...p.ghosts])];
+      for (const points of sets) {
+        for (const k of points && points.length ? [0, points.length - 1] : []) {
+          for (let n = 0; n < points[k].length; n += 3) meet(points[k].subarray(n, n + 3));
+        }
+      }
+    }
+    if (data.workspace_m) data.workspace_m.forEach(meet);
+    meet([limits[0][0], limits[1][0], 0]);
+    return limits.map(([low, high], a) => [a === 2 ? Math.min(low, 0) : low - 0.25, high + 0.25]);
+  }
+
+  const mesh = (tube, name, color, opacity) => ({
+    type: "mesh3d", ...tube.mesh, i: tube.i, j: tube.j, k: tube.k, name, color, opacity, lighting: LIGHT,
+    lightposition: { x: 2000, y: -4000, z: 9000 }, hoverinfo: "skip", showlegend: true,
+  });
+
+  /** Shown things of the chosen path and body. */
+  let show = {};
+  function choose() {
+    const motion = motionOf(state.path);
+    const which = motion.people.findIndex((p) => p.body === state.body);
+    const people = motion.people[which];
+    const ready = unpacked(motion);
+    show = {
+      motion, people, points: ready.people[which], robotPoints: ready.robot,
+      person: people.typical && tubes(people.capsules, 1, 12, 4),
+      ghosts: people.ghosts.length && tubes(people.capsules, people.ghosts.length, 6, 2),
+      robot: motion.robot && tubes(motion.robot.capsules, 1, 12, 3),
+    };
+  }
+
+  const moment = () => (state.frame / (FRAMES - 1)) * (show.motion.samples.length - 1);
+  const level = (rula) => data.levels.find((l) => rula <= l.to) || data.levels[data.levels.length - 1];
+
+  function posture() {
+    const at = moment();
+    if (show.person) show.person.place(0, between(show.points.typical, at));
+    if (show.ghosts) show.points.ghosts.forEach((g, n) => show.ghosts.place(n, between(g, at)));
+    if (show.robot) show.robot.place(0, between(show.robotPoints, at));
+    const scores = show.people.typical ? show.people.typical.rula : [];
+    return level(scores[Math.min(Math.round(at), scores.length - 1)] || 0).color;
+  }
+
+  function moving() {
+    const color = posture();
+    const traces = [];
+    if (show.ghosts) traces.push({ ...mesh(show.ghosts, "other repetitions (ghosts)", "#4b5c78", 0.13), visible: state.ghosts });
+    if (show.person) traces.push(mesh(show.person, "typical repetition", color, 1));
+    if (show.robot) traces.push(mesh(show.robot, "robot", "#c3cad5", 1));
+    show.meshes = [show.ghosts, show.person, show.robot].filter(Boolean).map((t) => t.mesh);
+    show.colors = [show.ghosts && "#4b5c78", show.person && color, show.robot && "#c3cad5"].filter(Boolean);
+    return traces;
+  }
+
+  function paths() {
+    const traces = data.motions.map((motion, n) => {
+      const points = [];
+      for (let i = 0; i < motion.tcp_mm.length; i += 3) points.push([0, 1, 2].map((a) => motion.tcp_mm[i + a] / 1000));
+      const chosen = n === state.path;
+      return { ...line(points, motion.name, motion.color, chosen ? 9 : 4, motion.dash), showlegend: true, opacity: chosen ? 1 : 0.75 };
+    });
+    const at = (n) => motionOf(state.path).tcp_mm.slice(n, n === 0 ? 3 : undefined).map((v) => v / 1000);
+    const ends = [at(0), at(-3)];
+    traces.push({ ...words(ends, ["start", "goal"], INK, 15), mode: "markers+text",
+      marker: { size: 6, color: ["#e69f00", "#d55e00"], symbol: ["circle", "square"], line: { color: INK, width: 1 } } });
+    return traces;
+  }
+
+  const EYES = {
+    free: { eye: { x: -0.95, y: -1.6, z: 0.75 }, projection: { type: "perspective" } },
+    side: null, front: null,
+    top: { eye: { x: 0, y: 0, z: 2 }, up: { x: data.facing[0], y: data.facing[1], z: 0 } },
+  };
+  const [fx, fy] = data.facing;
+  EYES.side = { eye: { x: 2 * fy, y: -2 * fx, z: 0 } };
+  EYES.front = { eye: { x: 2 * fx, y: 2 * fy, z: 0 } };
+  EYES.free.eye = { x: 0.9 * fx + 1.35 * fy, y: 0.9 * fy - 1.35 * fx, z: 0.7 };
+  function camera(view) {
+    return { center: { x: 0, y: 0, z: -0.06 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" }, ...EYES[view] };
+  }
+
+  let limits;
+  function layout() {
+    const axis = (a, title) => ({ title: { text: title }, range: limits[a], autorange: false, gridcolor: "#d5dae2", zeroline: false,
+      color: "#3b4453", backgroundcolor: "#f3f5f8", showbackground: a === 2, showspikes: false, dtick: 0.5, tickfont: { size: 12 } });
+    const size = limits.map(([low, high]) => high - low);
+    const longest = Math.max(...size);
+    const ratio = size.map((s) => (1.35 * s) / longest);
+    return {
+      autosize: true, margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "keep", paper_bgcolor: "#ffffff",
+      font: { family: "system-ui, sans-serif", size: 13, color: INK }, hovermode: false,
+      legend: { orientation: "h", x: 0, y: 0, xanchor: "left", yanchor: "top", itemclick: false, itemdoubleclick: false },
+      scene: { domain: { x: [0, 1], y: [0, 1] }, hovermode: false, dragmode: "turntable", camera: camera("free"),
+        aspectmode: "manual", aspectratio: { x: ratio[0], y: ratio[1], z: ratio[2] },
+        xaxis: axis(0, "x (m)"), yaxis: axis(1, "y (m)"), zaxis: axis(2, "height z (m)") },
+    };
+  }
+
+  function redrawAll() {
+    choose();
+    const traces = moving();
+    const kept = $("scene-plot").layout;
+    return Plotly.react("scene-plot", [...traces, ...paths(), ...cell(limits)], kept || layout(),
+      { displayModeBar: false, displaylogo: false, responsive: true, plotGlPixelRatio: Math.min(devicePixelRatio || 1, 2) });
+  }
+
+  function draw() {
+    const color = posture();
+    const which = show.meshes.map((_, n) => n);
+    if (show.person) show.colors[show.ghosts ? 1 : 0] = color;
+    readout();
+    return Plotly.restyle("scene-plot", { x: show.meshes.map((m) => m.x.slice()), y: show.meshes.map((m) => m.y.slice()),
+      z: show.meshes.map((m) => m.z.slice()), color: show.colors }, which);
+  }
+
+  // ---- words and controls ---------------------------------------------------------------------
+
+  const fixed = (v) => (Number.isFinite(v) ? v.toFixed(2) : "unknown");
+  function readout() {
+    const { motion, people } = show;
+    const k = Math.round(moment());
+    const time = motion.time_s[k];
+    const scores = motion.scores.find((s) => s.body === state.body);
+    const own = people.typical && k < people.typical.rula.length ? people.typical : null;
+    $("scene-time").textContent = `${time.toFixed(2)} s of ${motion.time_s[motion.time_s.length - 1].toFixed(2)} s`;
+    $("scene-own").textContent = own
+      ? `RULA ${own.rula[k]} (action level ${level(own.rula[k]).number}: ${level(own.rula[k]).words}), REBA ${own.reba[k]}`
+      : "out of reach";
+    for (const name of ["rula", "reba"]) {
+      const band = scores && scores[name];
+      $(`scene-${name}`).textContent = band ? `${fixed(band.mean[k])} (90 % band ${fixed(band.p05[k])} to ${fixed(band.p95[k])})` : "unknown";
+    }
+    $("scene-frame").setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
+    $("scene-swatch").style.background = own ? level(own.rula[k]).color : "#ffffff";
+  }
+
+  function setPlaying(on) {
+    state.playing = on;
+    $("scene-play").textContent = on ? "Pause" : "Play";
+    $("scene-readout").setAttribute("aria-live", on ? "off" : "polite");
+    if (!on) return;
+    if (state.frame >= FRAMES - 1) state.frame = 0;
+    const first = state.frame;
+    let started = null;
+    const span = show.motion.time_s[show.motion.time_s.length - 1] * 1000;
+    const step = async (now) => {
+      if (!state.playing) return;
+      started = started ?? now;
+      state.frame = Math.min(FRAMES - 1, first + ((now - started) / span) * (FRAMES - 1));
+      $("scene-frame").value = Math.round(state.frame);
+      await draw();
+      box.dataset.frames = Number(box.dataset.frames || 0) + 1;
+      if (state.frame >= FRAMES - 1) setPlaying(false);
+      else requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  function turn(event) {
+    const now = $("scene-plot")._fullLayout.scene.camera;
+    const { x, y, z } = now.eye;
+    const far = Math.hypot(x, y, z);
+    const [around, up] = [Math.atan2(y, x), Math.asin(z / far)];
+    const moves = { ArrowLeft: [-0.15, 0, 1], ArrowRight: [0.15, 0, 1], ArrowUp: [0, 0.12, 1], ArrowDown: [0, -0.12, 1],
+      "+": [0, 0, 1 / 1.12], "=": [0, 0, 1 / 1.12], "-": [0, 0, 1.12] };
+    const move = moves[event.key];
+    if (!move) return;
+    event.preventDefault();
+    const [a, e, r] = [around + move[0], Math.max(-1.5, Math.min(1.5, up + move[1])), far * move[2]];
+    const eye = { x: r * Math.cos(e) * Math.cos(a), y: r * Math.cos(e) * Math.sin(a), z: r * Math.sin(e) };
+    Plotly.relayout("scene-plot", { "scene.camera": { ...now, eye, up: { x: 0, y: 0, z: 1 }, projection: { type: "perspective" } } });
+  }
+
+  function controls() {
+    $("scene-path").onchange = (e) => { setPlaying(false); state.path = Number(e.target.value); redrawAll().then(draw); };
+    $("scene-body").onchange = (e) => { setPlaying(false); state.body = e.target.value; redrawAll().then(draw); };
+    $("scene-ghosts").onchange = (e) => { state.ghosts = e.target.checked; if (show.ghosts) Plotly.restyle("scene-plot", { visible: state.ghosts }, [0]); };
+    $("scene-frame").oninput = (e) => { setPlaying(false); state.frame = Number(e.target.value); draw(); };
+    $("scene-play").onclick = () => setPlaying(!state.playing);
+    for (const button of box.querySelectorAll("[data-view]")) {
+      button.onclick = () => Plotly.relayout("scene-plot", { "scene.camera": camera(button.dataset.view) });
+    }
+    $("scene-plot").addEventListener("keydown", turn);
+  }
+
+  const hasWebGl = () => { const c = document.createElement("canvas"); return !!(c.getContext("webgl2") || c.getContext("webgl")); };
+
+  async function start() {
+    if (!hasWebGl()) {
+      $("scene-status").textContent = "This browser shows no 3-D graphics (WebGL is off). The figures below show start and goal.";
+      return;
+    }
+    const library = document.createElement("script");
+    library.textContent = $("scene-library").textContent;
+    document.head.append(library);
+    box.hidden = false;
+    limits = extent();
+    await redrawAll();
+    controls();
+    readout();
+    $("scene-status").remove();
+    box.dataset.ready = Math.round(performance.now());
+  }
+  // After the first paint, so that the page can be read at once.
+  requestAnimationFrame(() => setTimeout(start, 0));
+})();
