@@ -53,7 +53,7 @@ pub use assess::{Assessment, TaskInputs, assess, worksheet};
 pub use back::{BackAngle, BackExposure, SPINE_JOINTS, back_angle, back_exposure};
 pub use drivers::{
     Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
-    rula_step_shares,
+    rula_step_courses, rula_step_shares,
 };
 pub use en1005_4::{EN_1005_4_PROVENANCE, PostureUse, en_1005_4};
 pub use exposure::{

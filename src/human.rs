@@ -11,6 +11,7 @@
 //! rotation are +Y. The left side mirrors X and Y.
 
 mod body;
+mod envelope;
 mod generate;
 mod limits;
 mod proportions;
@@ -19,6 +20,7 @@ mod side;
 mod skeleton;
 
 pub use body::{Body, PRESETS, Stance};
+pub use envelope::{BodyPart, Envelope, EnvelopeScratch, SEATED_LEGS};
 pub use generate::{BodyFiles, generate};
 pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use proportions::{BodySize, Sex};

@@ -5,6 +5,7 @@ pub mod cma;
 pub mod dense;
 pub mod pose;
 pub mod redundancy;
+pub mod segment;
 pub mod signal;
 pub mod simd;
 pub mod stats;

@@ -3,14 +3,17 @@
 //! ```text
 //! space      white numbers              ─► via-points, and start, goal, base ... where they are free
 //! prepare    QP, robot, obstacles       ─► feasible path | why not, and what would help (causes)
+//! near       robot against people       ─► share of repetitions nearer than the margin
 //! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
 //! finalists  the best on fresh people by successive halving, every baseline, the user's own
 //! pipeline   one more block of people   ─► the figures that are reported
+//! filming    some of their walks        ─► scene, what a viewer plays
 //! ```
 //! All paths meet the same people: the randomness of a rollout depends on (seed, block, rollout),
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
+mod apart;
 mod causes;
 mod cell_look;
 mod cell_sensitivity;
@@ -19,12 +22,16 @@ mod explain;
 mod filming;
 mod finalists;
 mod lens;
+mod moments;
+mod near;
 mod objective;
 mod pipeline;
 mod prepare;
 mod preset;
+mod recommend;
 mod result;
 mod resume;
+mod robot_words;
 mod scene;
 mod search;
 mod searches;

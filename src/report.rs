@@ -23,11 +23,15 @@ mod figure_box;
 mod figure_cell;
 mod figure_forest;
 mod figure_growth;
+mod figure_heat;
 mod figure_paths;
+mod figure_population;
+mod figure_postures;
 mod figure_scores;
 mod filled;
 mod filled_page;
 mod page;
+mod page_advice;
 mod page_evidence;
 mod page_scene;
 mod page_scores;
@@ -115,6 +119,10 @@ pub fn files_again(
             over_time: figure_scores::over_time(&view)?,
             levels: figure_scores::levels(&view)?,
             parts: figure_scores::parts(&view)?,
+            parts_over_time: figure_heat::heat(&view)?,
+            postures: figure_postures::postures(&view)?,
+            distributions: figure_population::distributions(&view)?,
+            population: figure_population::population(&view)?,
         })
     });
     let figures = page::Figures { paths: figure_paths::paths(&view)?, scores: scores.transpose()? };
@@ -124,6 +132,14 @@ pub fn files_again(
         files.push(("figures/rula_over_time.png".to_owned(), scores.over_time));
         files.push(("figures/levels.png".to_owned(), scores.levels));
         files.push(("figures/parts.png".to_owned(), scores.parts));
+        files.push(("figures/distributions.png".to_owned(), scores.distributions));
+        for (name, figure) in [
+            ("parts_over_time", scores.parts_over_time),
+            ("postures", scores.postures),
+            ("population", scores.population),
+        ] {
+            files.extend(figure.map(|png| (format!("figures/{name}.png"), png)));
+        }
     }
     Ok(files)
 }

@@ -3,7 +3,9 @@
 //!
 //! ```text
 //! preset | URDF ─ description ─► Robot (linkage, limits, home, base, capsules)
-//! TCP poses in the world ─ follow (ik) ─► joint path ─ check ─► RobotMotion | why not
+//! TCP poses in the world ─ follow (ik) ─► joint path ─ check, collide ─► RobotMotion | why not
+//!   several motions: the least cost (grade); poor ones once more in the null space (ease);
+//!   where that fails, on request, branch and redundancy by dynamic programming (resolve)
 //! user's joint path ─ check_joint_path ─► limits broken;  tcp_poses ─► TCP poses in the world
 //! q ─ body ─► capsules, stick figure ─ clearance ─► distance to obstacles
 //! ```
@@ -13,22 +15,27 @@ mod between;
 mod body;
 mod check;
 mod clearance;
+mod collide;
 mod description;
+mod ease;
 mod follow;
+mod grade;
 mod ik;
 mod joint_trajectory;
 mod preset;
+mod resolve;
 mod track;
 
 pub use between::{Between, between};
 pub use body::{
-    Capsule, Nearest, capsules, joint_rates, min_clearance, min_singular_value, stick, tcp_pose,
-    tcp_poses,
+    ArmPart, Capsule, Nearest, arm_parts, arm_places, capsules, joint_rates, min_clearance,
+    min_singular_value, stick, tcp_pose, tcp_poses,
 };
 pub use check::{
     Extreme, LimitKind, PathCheck, PathError, RobotMotion, Violation, check_joint_path,
 };
 pub use clearance::Obstacle;
+pub use collide::{SelfNearest, measure_room, self_clearance};
 pub use description::{Brake, Limits, Robot};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
 pub use joint_trajectory::{

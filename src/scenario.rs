@@ -16,6 +16,7 @@ mod source;
 mod task;
 mod worker;
 
+pub use cell::PersonMargin;
 pub use check::Scenario;
 pub use defaults::defaults_in_force;
 pub use file::{OtherArm, PosturePick};

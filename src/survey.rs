@@ -12,7 +12,7 @@ use crate::ergonomics::{
     Worksheet, arm_angles, reba, rula, trunk_neck_angles, worksheet,
 };
 use crate::files::InputError;
-use crate::human::{Body, PosedSkeleton, Segment, Side, Skeleton, Stance};
+use crate::human::{Body, PosedSkeleton, SEATED_LEGS, Segment, Side, Skeleton, Stance};
 use crate::math::{Pose, Rotation, Vec3};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -176,11 +176,9 @@ fn posed_whole<'a>(
     let mut all = whole_posture(skeleton, side, q);
     if is_seated {
         // Thighs level, shanks upright: legs are not predicted, only drawn.
-        for (joint, deg) in
-            [("RightHip", 90.0f64), ("LeftHip", 90.0), ("RightKnee", -90.0), ("LeftKnee", -90.0)]
-        {
-            if let Some(c) = skeleton.column(&format!("j{joint}_Z")) {
-                all[c] = deg.to_radians();
+        for (joint, angle) in SEATED_LEGS {
+            if let Some(c) = skeleton.column(joint) {
+                all[c] = angle;
             }
         }
     }

@@ -150,6 +150,12 @@ fn bad_values_are_named() {
     );
     refused("size_m = [0.8, 1.6, 0.72]", "size_m = [0.8, -1.6, 0.72]", 2, &["bench", "above 0"]);
     refused("ergopath/scenario/1", "ergopath/scenario/2", 2, &["schema"]);
+    let limits = "speed_m_s = 0.5";
+    let with = |key: &str| format!("{limits}\n{key}");
+    let (far, share) = ("limits.person_clearance_m", "limits.person_clearance_share");
+    refused(limits, &with("person_clearance_m = 50"), 2, &[far, "0 to 1", "metres"]);
+    refused(limits, &with("person_clearance_share = 5"), 2, &[share, "0 to 1"]);
+    refused(limits, &with("person_clearence_m = 0.05"), 2, &["did you mean `person_clearance_m`?"]);
 }
 
 #[test]
@@ -179,6 +185,9 @@ fn what_cannot_be_done_is_explained() {
     let slow = "preset = \"panda\"\nlimit = [{ joint = \"panda_joint1\", velocity_rad_s = 0.05 }]";
     let longer = &["joint `panda_joint1`", "instead of 4.00 s", "instead of 0.05 rad/s"];
     refused("preset = \"panda\"", slow, 3, longer);
+    let wide = "speed_m_s = 0.5\nperson_clearance_m = 0.5";
+    let near = &["comes nearer than 500 mm to body `female_p50`", "Nearest to feasible is"];
+    refused("speed_m_s = 0.5", wide, 3, near);
     refused("max_m = [0.80, 0.60, 1.60]", "max_m = [2.80, 0.60, 1.60]", 0, &[]);
 }
 

@@ -209,13 +209,26 @@ fn print_certificates(result: &RunResult, best: Option<&CandidateResult>) {
             "  limits         {} checks on a grid ten times finer than the path's: {kept}",
             path.checks.len()
         );
+        say!("  robot          {}", path.self_clearance);
     }
     for b in &best.bodies {
+        if let Some(near) = &b.person_clearance {
+            let sentence = near.sentence();
+            say!(
+                "  to the person  {}: {sentence} (a planning margin, not a safety function)",
+                b.body
+            );
+        }
         say!(
-            "  hand on path   {}: at most {:.2} mm and {:.2} deg off",
+            "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {:.0} %; \
+             beyond the training data {:.0} % of the path; standard error of RULA {:.3}",
             b.body,
             b.hand_residual_max_mm,
-            b.hand_residual_max_deg
+            b.hand_residual_rms_mm,
+            b.hand_residual_max_deg,
+            100.0 * b.reach_exceeded,
+            100.0 * b.extrapolation_share,
+            b.rula.standard_error.unwrap_or(f64::NAN)
         );
     }
     let c = certificate;

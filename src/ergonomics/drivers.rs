@@ -163,6 +163,28 @@ pub fn reba_step_shares(rollouts: &[Vec<Option<RebaSteps>>]) -> Vec<StepShare> {
     step_shares(rollouts, &RebaStep::ALL.map(RebaStep::name), look)
 }
 
+/// Mean score of each step of RULA at each time, over the rollouts that have not exceeded their reach;
+/// in the order of [`rula_step_shares`]. A time that nobody reaches repeats the one before.
+pub fn rula_step_courses(rollouts: &[Vec<Option<RulaSteps>>]) -> Vec<Vec<f64>> {
+    let frames = rollouts.iter().map(Vec::len).max().unwrap_or(0);
+    let course = |step: RulaStep| {
+        let mut before = 0.0;
+        let mut at = |k: usize| {
+            let there: Vec<f64> = rollouts
+                .iter()
+                .filter_map(|r| r.get(k)?.as_ref())
+                .map(|s| f64::from(step.value(s)))
+                .collect();
+            if !there.is_empty() {
+                before = mean(&there);
+            }
+            before
+        };
+        (0..frames).map(&mut at).collect()
+    };
+    RulaStep::ALL.into_iter().map(course).collect()
+}
+
 /// `look(sheet, step)`: the step's score and the drop of the total.
 fn step_shares<S>(
     rollouts: &[Vec<Option<S>>],
@@ -276,6 +298,10 @@ mod tests {
         let by_hand = expected(&steps(false)) - expected(&steps(true));
         assert!((trunk.drop - by_hand).abs() < 1e-12 && by_hand > 0.0, "{trunk:?} {by_hand}");
         assert!(trunk.drop_se.is_some_and(|se| se > 0.0));
+        // The mean over time is the mean, as every sample was reached.
+        for (share, course) in shares.iter().zip(rula_step_courses(&steps(false))) {
+            assert!((mean(&course) - share.mean).abs() < 1e-12 && course.len() == 2);
+        }
         assert!((0.25..=0.75).contains(&trunk.drives_share), "{trunk:?}");
         assert_eq!(shares[1].drop, 0.0);
     }

@@ -61,7 +61,7 @@ pub enum Followed {
         /// The projection; feasible.
         projection: Projection,
         /// Joints at the knots.
-        motion: RobotMotion,
+        motion: Box<RobotMotion>,
         /// The motion between the knots.
         between: Between,
         /// Passes with rows of the robot.
@@ -100,8 +100,10 @@ pub fn project_for_arm(
             };
         };
         let path = path.clone();
-        let reason = match arm.follow(&path) {
+        // The global choice is made along the path as it was wanted, not along what is bent for the arm.
+        let reason = match arm.follow(&path, pass == 0) {
             Ok((motion, between)) => {
+                let motion = Box::new(motion);
                 return Followed::Feasible { projection, motion, between, passes: pass };
             }
             Err(reason) => reason,
@@ -124,15 +126,24 @@ pub fn project_for_arm(
 
 impl Arm<'_> {
     /// The motion along a path, checked between the knots too; or why there is none.
-    fn follow(&self, path: &SmoothPath) -> Result<(RobotMotion, Between), String> {
+    fn follow(
+        &self,
+        path: &SmoothPath,
+        may_be_thorough: bool,
+    ) -> Result<(RobotMotion, Between), String> {
         let timed = path.timed(path.steps()).map_err(|e| e.to_string())?;
-        let with = |starts: &[Vec<f64>]| {
-            follow_from(self.robot, &timed.time_s, &timed.poses, starts, self.settings)
+        let is_thorough = may_be_thorough && self.settings.is_thorough;
+        let with = |starts: &[Vec<f64>], is_thorough: bool| {
+            let settings = FollowSettings { is_thorough, ..self.settings.clone() };
+            follow_from(self.robot, &timed.time_s, &timed.poses, starts, &settings)
         };
         // Few starts first: most paths need no more, and tracking is the cost.
         let few = self.starts.len().min(FEW);
-        let follow = match with(&self.starts[..few]) {
-            Follow::Infeasible { .. } if self.starts.len() > few => with(self.starts),
+        let follow = match with(&self.starts[..few], is_thorough && self.starts.len() == few) {
+            Follow::Infeasible { .. } if self.starts.len() > few => with(self.starts, is_thorough),
+            Follow::Feasible(motion) if self.starts.len() > few && motion.is_poor() => {
+                with(self.starts, is_thorough)
+            }
             done => done,
         };
         let motion = match follow {

@@ -77,6 +77,13 @@ pub enum Change {
         /// Needed.
         to: f64,
     },
+    /// Robot or person farther from the other.
+    MoveApart {
+        /// "robot's base" or "worker".
+        what: Cow<'static, str>,
+        /// By how much, m.
+        by_m: f64,
+    },
     /// A path, or a robot base, that is nearer.
     RobotReach {
         /// By how much the path leaves what the arm reaches, m.
@@ -127,6 +134,12 @@ impl fmt::Display for Change {
                 "a limit of {:.2} {unit} instead of {from:.2} {unit} on the {of} of joint `{joint}`",
                 up(*to)
             ),
+            Self::MoveApart { what, by_m } if what == "worker" => {
+                write!(f, "the worker {:.0} mm farther from the robot", mm(by_m))
+            }
+            Self::MoveApart { what, by_m } => {
+                write!(f, "the {what} {:.0} mm farther from the worker", mm(by_m))
+            }
             Self::RobotReach { by_m, at_s } => {
                 write!(f, "a path or a robot base that is {:.0} mm nearer at {at_s:.2} s", mm(by_m))
             }

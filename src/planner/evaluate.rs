@@ -1,14 +1,15 @@
 //! Sends people along paths and scores them.
 
+use super::near::{ArmAlong, Closest};
 use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
 use crate::ergonomics::{
     ExpectedScores, P_AT_LEAST_S, REBA_WORST, RULA_WORST, RebaSteps, RulaSteps, ScoreDistribution,
     StepShare, THRESHOLD_MOVE_DEG, ThresholdSensitivity, ThresholdShift, exposure_by_rollout, reba,
-    reba_action_levels, reba_step_shares, rula, rula_action_levels, rula_step_shares,
-    score_distribution, threshold_sensitivity, time_means,
+    reba_action_levels, reba_step_shares, rula, rula_action_levels, rula_step_courses,
+    rula_step_shares, score_distribution, threshold_sensitivity, time_means,
 };
 use crate::files::InputError;
-use crate::human::Body;
+use crate::human::{Body, BodyPart, Envelope};
 use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::math::stream::{Purpose, stream};
@@ -46,6 +47,7 @@ pub(super) struct Person<'a> {
     coupling: Coupling,
     body: &'a Body,
     pub(super) surveyor: Surveyor,
+    envelope: Envelope,
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,
@@ -87,6 +89,7 @@ impl<'a> Person<'a> {
                     scenario,
                     coupling,
                     surveyor: Surveyor::new(body, w.side, pelvis, w.stance)?,
+                    envelope: Envelope::new(body, w.side, w.stance)?,
                     body,
                     sampler: Sampler::new(&w.model.law, Sampling::Pathwise)
                         .ok_or_else(|| broken_process(&w.model.name))?,
@@ -99,7 +102,10 @@ impl<'a> Person<'a> {
 
     /// Pelvis in the world.
     pub(super) fn pelvis(&self, variant: &Variant) -> Pose {
-        self.body.pelvis_pose(variant.at_m, variant.facing, self.scenario.worker.stance)
+        let stance = self.scenario.worker.stance;
+        let mut pelvis = self.body.pelvis_pose(variant.at_m, variant.facing, stance);
+        pelvis.translation.vector.z += variant.floor_m;
+        pelvis
     }
 
     /// The grip in the pelvis frame along a TCP path, as the law sees it.
@@ -107,6 +113,21 @@ impl<'a> Person<'a> {
         let to_pelvis = self.pelvis(variant).inverse();
         let targets = path.poses.iter().map(|tcp| to_pelvis * tcp * variant.grip).collect();
         HandPath::new(&self.coupling, law, path.time_s.clone(), targets)
+    }
+
+    /// Where people come nearest to the arm; `people`: the numbers of these walks.
+    pub(super) fn closest(
+        &self,
+        walks: &Walks,
+        people: &Range<usize>,
+        (arm, variant): (&ArmAlong, &Variant),
+    ) -> Vec<Option<Closest>> {
+        arm.closest(walks, people, (&self.envelope, &self.pelvis(variant)))
+    }
+
+    /// The capsules of the body.
+    pub(super) fn parts(&self) -> &[BodyPart] {
+        self.envelope.parts()
     }
 
     /// People `from..to` of a block along a path. The same (seed, block) means the same people on
@@ -368,6 +389,7 @@ impl Walks {
             self.all.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
         Some(BodyScores {
             body: body.to_owned(),
+            person_clearance: None,
             rollouts: self.all.len(),
             rula_by_rollout: time_means(&rula_scores),
             exposure_rula_5_band: [
@@ -391,7 +413,7 @@ impl Walks {
             extrapolation_share: self.extrapolation_share,
             unusual_starts: self.all.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
             start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
-            parts: parts(&rula_step_shares(&sheets.rula_steps(), lens.profile.rula_table_a)),
+            parts: rula_parts(&sheets.rula_steps(), lens),
             reba_parts: parts(&reba_step_shares(&sheets.reba_steps())),
         })
     }
@@ -434,6 +456,13 @@ impl Sheets {
     }
 }
 
+fn rula_parts(steps: &[Vec<Option<RulaSteps>>], lens: &Lens) -> Vec<PartScore> {
+    let shares = parts(&rula_step_shares(steps, lens.profile.rula_table_a));
+    let rounded = |course: Vec<f64>| course.iter().map(|v| (1e3 * v).round() / 1e3).collect();
+    let with = |(part, course)| PartScore { over_time: rounded(course), ..part };
+    shares.into_iter().zip(rula_step_courses(steps)).map(with).collect()
+}
+
 fn parts(shares: &[StepShare]) -> Vec<PartScore> {
     let part = |s: &StepShare| PartScore {
         part: s.step.into(),
@@ -441,6 +470,7 @@ fn parts(shares: &[StepShare]) -> Vec<PartScore> {
         drives: s.drop,
         drives_se: s.drop_se,
         drives_share: s.drives_share,
+        over_time: Vec::new(),
     };
     shares.iter().map(part).collect()
 }

@@ -310,6 +310,7 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
     let mut robot_lines = vec![robot.name.clone()];
     robot_lines.extend(robot.assumed().into_iter().map(|a| format!("assumed: {a}")));
     robot_lines.extend(robot.notes.iter().cloned());
+    robot_lines.push(robot.self_collision_note());
     Setting {
         name: scenario.name.clone(),
         description: scenario.description.clone(),
@@ -333,6 +334,9 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
             ),
             hold.to_owned(),
             start.to_owned(),
+            "assumed for the distance to the robot: limbs as thick as cylinders of their mass, a trunk 0.7 \
+             times as deep as broad, the other arm hanging"
+                .to_owned(),
         ],
         robot: robot_lines,
         assumed_limits: scenario.assumed_limits.clone(),
@@ -393,7 +397,9 @@ pub(super) fn not_modelled(scenario: &Scenario) -> Vec<String> {
     let mut all = vec![
         "the pelvis stays where it is; stepping and bending of the legs are not predicted".to_owned(),
         "forces: only the load in kilograms enters the scores, no dynamics of body or robot".to_owned(),
-        "clearance between robot and person, and self-collision of the robot".to_owned(),
+        "contact: distances are between capsules, and the hand and forearm on the handle may be at the \
+         robot's wrist; the margin to the person is for planning, not a safety function"
+            .to_owned(),
         "fatigue and recovery over a shift; scores are per frame of one movement".to_owned(),
         "safety: nothing here certifies conformity with ISO 10218, ISO/TS 15066 or any other standard".to_owned(),
         "a drawn via-point path with a pause: all movements here run from rest to rest in one go".to_owned(),

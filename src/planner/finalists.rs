@@ -1,5 +1,6 @@
 //! From the searches to the paths that are reported: ours, the baselines and the user's own.
 
+use super::near::Care;
 use super::objective::{Figures, objective};
 use super::pipeline::{Environment, PlanError, SELECTION_BLOCK, counted};
 use super::prepare::Prepared;
@@ -44,7 +45,7 @@ pub(super) fn finalists(
     for choice in space.named() {
         let is_ours = matches!(choice.candidate.family, Family::Straight | Family::ExpertArc);
         if is_ours && (choice.candidate.family == Family::Straight || !searches.done.is_empty()) {
-            let prepared = workshop.candidate(&choice.candidate, &choice.variant);
+            let prepared = workshop.candidate_thoroughly(&choice.candidate, &choice.variant);
             pool.push(Finalist { prepared, is_kept: true, value: None });
         }
     }
@@ -78,7 +79,10 @@ pub(super) fn finalists(
     let nominal = environment.scenario.nominal();
     pool.extend(drawn.map(|d| Finalist {
         prepared:
-            workshop.candidate(&Candidate { dwell_s: nominal.dwell_s, ..d.clone() }, &nominal),
+            workshop.candidate_thoroughly(
+                &Candidate { dwell_s: nominal.dwell_s, ..d.clone() },
+                &nominal,
+            ),
         is_kept: true,
         value: None,
     }));
@@ -111,7 +115,7 @@ fn ours(
 
 fn decoded(environment: &Environment, space: &Space, tried: &Tried) -> Option<Prepared> {
     let choice = space.decode(&tried.id, &tried.x)?;
-    Some(environment.workshop.candidate(&choice.candidate, &choice.variant))
+    Some(environment.workshop.candidate_thoroughly(&choice.candidate, &choice.variant))
 }
 
 /// The shortest feasible path of all searches, where the straight one is not feasible.
@@ -179,11 +183,17 @@ fn measure(
     let block = (environment.seed, SELECTION_BLOCK);
     let total = walkable.len();
     let found = counted(environment, "selecting", (0, total, None), &walkable, |&i| {
-        environment.figures(&pool[i].prepared, block, people.clone())
+        environment.figures(&pool[i].prepared, block, people.clone(), Care::Selection)
     })?;
     for (&i, more) in walkable.iter().zip(found) {
         figures[i].iter_mut().zip(more).for_each(|(f, m)| f.extend(m));
         pool[i].prepared.refuse_if_nobody_reaches(&environment.scenario.body_names(), &figures[i]);
+        let is_all = people.end >= environment.preset.rollouts_final;
+        pool[i].prepared.refuse_if_too_near(
+            &environment.scenario.body_names(),
+            &figures[i],
+            (&environment.scenario.person_margin, is_all),
+        );
         let is_usable = pool[i].prepared.is_walkable();
         let terms = environment.terms(&pool[i].prepared);
         let value = objective(&environment.preset.objective, &figures[i], terms);

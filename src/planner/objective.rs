@@ -1,9 +1,11 @@
 //! What is made small, from the figures of every rollout.
 
+use super::apart::crowding;
 use super::evaluate::Walks;
 use super::preset::Objective;
 use crate::ergonomics::{P_AT_LEAST_S, REBA_WORST, RULA_WORST};
 use crate::math::stats::{cvar_upper, mean};
+use crate::scenario::PersonMargin;
 use crate::survey::Lens;
 
 /// Figures of one body along one path, one entry for each rollout.
@@ -23,6 +25,10 @@ pub struct Figures {
     pub lost_from_s: Option<f64>,
     /// Root mean square joint speed, rad/s.
     pub effort: Vec<f64>,
+    /// Least distance to the robot, m, of the rollouts that were looked at.
+    pub near_m: Vec<f64>,
+    /// The least of these and what is there, in words; not in a search.
+    pub nearest: Option<(f64, String)>,
 }
 
 impl Figures {
@@ -71,6 +77,9 @@ impl Figures {
             (a, b) => a.or(b),
         };
         self.effort.extend(more.effort);
+        self.near_m.extend(more.near_m);
+        let both = self.nearest.take().into_iter().chain(more.nearest);
+        self.nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
     }
 
     fn value(&self, o: &Objective, time: Option<f64>) -> f64 {
@@ -103,6 +112,8 @@ pub(super) struct PathTerms {
     pub time_share: Option<f64>,
     /// Smallest clearance of the robot, m.
     pub clearance_m: Option<f64>,
+    /// The margin between robot and person, in a search; the selection refuses instead.
+    pub person: Option<PersonMargin>,
 }
 
 /// The objective for the worst body.
@@ -116,5 +127,8 @@ pub(super) fn objective(o: &Objective, bodies: &[Figures], path: PathTerms) -> f
         };
     let worst =
         bodies.iter().map(|b| b.value(o, path.time_share)).fold(f64::NEG_INFINITY, f64::max);
-    worst + terms
+    let crowded = path
+        .person
+        .map_or(0.0, |margin| bodies.iter().map(|b| crowding(b, &margin)).fold(0.0, f64::max));
+    worst + terms + crowded
 }

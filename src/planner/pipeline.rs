@@ -8,6 +8,8 @@ use super::explain::{
 use super::filming;
 use super::finalists::{Finalist, finalists, rest, select};
 use super::lens::lens;
+use super::moments::moments;
+use super::near::Care;
 use super::objective::Figures;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
@@ -180,37 +182,49 @@ fn run(
     let chosen = select(&environment, pool)?;
     let mut candidates = Vec::new();
     // The best path's walks of the body that scores worst: the one of the verdict.
-    let mut best: Option<(Walks, &Finalist)> = None;
+    let mut best: Option<(Walks, &Finalist, &Person)> = None;
     let (mut rollouts, mut motions) = (Vec::new(), Vec::new());
     let walkable: Vec<&Finalist> = chosen.iter().filter(|f| f.value.is_some()).collect();
     let reported = counted(&environment, "reporting", (0, walkable.len(), None), &walkable, |f| {
         environment.report(&f.prepared, preset.rollouts_final)
     })?;
-    for ((finalist, (mut result, walks)), rank) in walkable.into_iter().zip(reported).zip(1..) {
-        result.rank = Some(rank);
+    // Too near among the fresh people of the report, though not among those of the selection.
+    let mut too_near = Vec::new();
+    for (finalist, (mut result, walks)) in walkable.into_iter().zip(reported) {
         result.objective = finalist.value;
+        result.mark_if_too_near(finalist.prepared.is_users, &scenario.person_margin);
+        if matches!(result.status, Status::Infeasible { .. }) {
+            too_near.push(result);
+            continue;
+        }
+        let rank = candidates.len() + 1;
+        result.rank = Some(rank);
         if request.keeps_rollouts {
             rollouts.extend(environment.tables(&finalist.prepared, &walks, rank));
         }
         motions.extend(environment.film(&finalist.prepared, &result, &walks));
         if best.is_none() && result.status == Status::Feasible {
             let worst = worst_index(&result.bodies);
-            best = worst.and_then(|i| walks.into_iter().nth(i)).map(|w| (w, finalist));
+            best = worst.and_then(|i| Some((walks.into_iter().nth(i)?, finalist, people.get(i)?)));
         }
         candidates.push(result);
     }
+    candidates.extend(too_near);
     candidates.extend(
         chosen.iter().filter(|f| f.value.is_none()).map(|f| bare(&f.prepared, Evaluated::None)),
     );
     let ids: Vec<String> = candidates.iter().map(|c| c.id.clone()).collect();
     candidates.extend(rest(&searches, &space, &ids));
-    let certificate = best.as_ref().map(|(_, f)| certificate(&environment, f));
+    let certificate = best.as_ref().map(|(_, f, _)| certificate(&environment, f));
+    let shown =
+        best.as_ref().map(|(walks, f, person)| moments(person, walks, &f.prepared.variant, &lens));
     let inputs = inputs(scenario, &lens, best.as_ref().map(|b| &b.0));
     let comparisons = comparisons(&candidates);
     let mut verdict = verdict(scenario, &candidates, &comparisons, &inputs);
     if verdict.best.is_none() {
         let refused: Vec<&Prepared> = chosen.iter().map(|f| &f.prepared).collect();
         workshop.explain(&refused, &mut verdict);
+        environment.explain_nearness(&refused, &space, &mut verdict);
         verdict.lines.extend(unreached_ends(scenario, &people));
     }
     Ok(RunResult {
@@ -219,7 +233,9 @@ fn run(
         verdict,
         comparisons,
         inputs,
-        threshold_sensitivity: best.as_ref().map(|(w, _)| w.sensitivity(&lens)),
+        threshold_sensitivity: best.as_ref().map(|(w, ..)| w.sensitivity(&lens)),
+        moments: shown.unwrap_or_default(),
+        recommendations: best.as_ref().map(|(_, f, p)| environment.recommend(&f.prepared, p)),
         setting: setting(scenario),
         posture_model: model_summary(scenario),
         warnings: scenario.warnings.clone(),
@@ -248,7 +264,8 @@ impl Searches {
 fn certificate(environment: &Environment, best: &Finalist) -> Certificate {
     let count = environment.preset.rollouts_final;
     let rula = |seed: u64| {
-        let bodies = environment.figures(&best.prepared, (seed, REPORT_BLOCK), 0..count);
+        let bodies =
+            environment.figures(&best.prepared, (seed, REPORT_BLOCK), 0..count, Care::Search);
         let worst = bodies.into_iter().max_by(|a, b| mean(&a.rula).total_cmp(&mean(&b.rula)));
         worst.map(|b| b.rula).unwrap_or_default()
     };
@@ -300,12 +317,20 @@ impl Environment<'_> {
             result.path = prepared.data(self.scenario);
             let robot_q = result.path.as_ref().map(|p| p.robot_q.clone()).unwrap_or_default();
             let robot = self.workshop.robot_of(&prepared.variant);
+            let arm = prepared.arm(&robot, Care::Report);
             let at = (path, &prepared.variant);
             for person in self.people {
                 let walks =
                     person.walk(path, &prepared.variant, (self.seed, REPORT_BLOCK), 0..count);
                 let other_arm = self.scenario.worker.other_arm;
-                result.bodies.extend(walks.summary(&person.name, self.lens, other_arm));
+                let mut scores = walks.summary(&person.name, self.lens, other_arm);
+                if let (Some(scores), Some(arm)) = (&mut scores, &arm) {
+                    let closest = person.closest(&walks, &(0..count), (arm, &prepared.variant));
+                    let body = (person.parts(), &path.time_s[..]);
+                    let margin = &self.scenario.person_margin;
+                    scores.person_clearance = arm.summary(&closest, body, margin);
+                }
+                result.bodies.extend(scores);
                 result.poses.extend(person.pictures(
                     &walks,
                     at,

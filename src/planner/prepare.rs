@@ -1,8 +1,10 @@
 //! From a candidate to a path that may be walked: QP, robot, obstacles; or the reason why not.
 
+use super::near::{ArmAlong, Care};
 use super::objective::Figures;
 use super::preset::Preset;
 use super::result::{PathData, Status};
+use super::robot_words::{between_knots, out_of_reach, robot_sentences, self_clearance_words};
 use crate::math::Pose;
 use crate::path::{
     Arm, Candidate, Change, Check, Family, Followed, Projection, ProjectionSettings, Reach, Scene,
@@ -11,7 +13,7 @@ use crate::path::{
 };
 use crate::robot::{
     Follow, FollowSettings, JointTrajectory, Robot, RobotMotion, Starts, check_joint_path,
-    follow_from, min_clearance, start_postures,
+    follow_from, measure_room, start_postures,
 };
 use crate::scenario::{Scenario, UserPath, Variant};
 use crate::trajectory::TimedPath;
@@ -50,16 +52,20 @@ pub(super) struct Workshop<'a> {
     scenario: &'a Scenario,
     preset: &'a Preset,
     follow: FollowSettings,
+    /// The same with the global choice where tracking fails.
+    thorough: FollowSettings,
     robot_starts: Starts,
     reaches: Vec<Reach>,
 }
 
 impl<'a> Workshop<'a> {
     pub(super) fn new(scenario: &'a Scenario, preset: &'a Preset, seed: u64) -> Self {
-        let follow = FollowSettings { seed, ..FollowSettings::default() };
+        let obstacles = scenario.obstacles.clone();
+        let follow = FollowSettings { seed, obstacles, ..FollowSettings::default() };
+        let thorough = FollowSettings { is_thorough: true, ..follow.clone() };
         let robot_starts = start_postures(&scenario.robot, &scenario.start, &follow);
         let reaches = super::causes::reaches(scenario);
-        Self { scenario, preset, follow, robot_starts, reaches }
+        Self { scenario, preset, follow, thorough, robot_starts, reaches }
     }
 
     /// What the TCP's path has to mind.
@@ -84,6 +90,25 @@ impl<'a> Workshop<'a> {
 
     /// A planned candidate: projected to feasibility, or refused with the reason.
     pub(super) fn candidate(&self, candidate: &Candidate, variant: &Variant) -> Prepared {
+        self.candidate_with(candidate, variant, &self.follow)
+    }
+
+    /// The same, choosing branch and redundancy of the arm globally where tracking fails: for the few
+    /// paths that matter, as it takes some tens of milliseconds.
+    pub(super) fn candidate_thoroughly(
+        &self,
+        candidate: &Candidate,
+        variant: &Variant,
+    ) -> Prepared {
+        self.candidate_with(candidate, variant, &self.thorough)
+    }
+
+    fn candidate_with(
+        &self,
+        candidate: &Candidate,
+        variant: &Variant,
+        follow: &FollowSettings,
+    ) -> Prepared {
         let mut prepared = Prepared {
             id: candidate.id.clone(),
             variant: variant.clone(),
@@ -132,7 +157,7 @@ impl<'a> Workshop<'a> {
         let turning = candidate.turning(&variant.start, &variant.goal, most);
         let reaches = if is_walked { &[] } else { &self.reaches[..] };
         let scene = Scene { reaches, turning: turning.as_ref(), ..self.scene() };
-        let arm = Arm { robot, starts, settings: &self.follow };
+        let arm = Arm { robot, starts, settings: follow };
         let settings = self.projection_settings();
         match project_for_arm(&reference, &s.limits, &scene, &settings, &arm) {
             Followed::Feasible { projection, motion, between, .. } => {
@@ -144,10 +169,10 @@ impl<'a> Workshop<'a> {
                 prepared.checks.extend(verify_scene(&path, &s.limits, &scene, &reference).checks);
                 prepared.checks.extend(verify_optimality(&optimality).checks);
                 prepared.checks.extend(verify_motion(&between).checks);
-                prepared.clearance = self.clearance(robot, &motion);
+                prepared.clearance = clearance(&motion);
                 let knots = path.timed(self.preset.steps).ok();
                 let broken = knots.and_then(|p| between_knots(robot, &p, &motion));
-                prepared.robot = Some(motion);
+                prepared.robot = Some(*motion);
                 match broken {
                     Some(reason) => prepared.refused("robot", reason),
                     None => self.kept(prepared, &path),
@@ -177,15 +202,6 @@ impl<'a> Workshop<'a> {
                 .refused("obstacle", format!("{what}: {:.0} mm deep or touching", -1e3 * distance)),
             _ => prepared,
         }
-    }
-
-    fn clearance(&self, robot: &Robot, motion: &RobotMotion) -> Option<(f64, String)> {
-        let found = motion
-            .q
-            .iter()
-            .filter_map(|q| min_clearance(robot, q, &self.scenario.obstacles))
-            .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))?;
-        Some((found.distance_m, format!("link `{}` and obstacle `{}`", found.link, found.obstacle)))
     }
 
     /// The user's own path: as it is, marked where it breaks a limit, never repaired.
@@ -220,17 +236,20 @@ impl<'a> Workshop<'a> {
         };
         match &user.joints {
             Some(q) => match check_joint_path(&s.robot, &user.path.time_s, q) {
-                Ok(check) => {
+                Ok(mut check) => {
                     violations.extend(check.violations.iter().map(ToString::to_string));
-                    prepared.clearance = self.clearance(&s.robot, &check.motion);
-                    let q = at_times(&user.path.time_s, q, &path.time_s);
+                    let time_s = &user.path.time_s;
+                    measure_room(&s.robot, time_s, &mut check.motion, &s.obstacles);
+                    violations.extend(check.motion.self_collision());
+                    prepared.clearance = clearance(&check.motion);
+                    let q = at_times(time_s, q, &path.time_s);
                     prepared.robot = Some(RobotMotion { q, ..check.motion });
                 }
                 Err(e) => violations.push(e.to_string()),
             },
             None => match self.follow_users(&path) {
                 Follow::Feasible(motion) => {
-                    prepared.clearance = self.clearance(&s.robot, &motion);
+                    prepared.clearance = clearance(&motion);
                     prepared.robot = Some(motion);
                 }
                 Follow::Infeasible { reason, .. } => violations.push(reason),
@@ -251,7 +270,7 @@ impl<'a> Workshop<'a> {
     fn follow_users(&self, path: &TimedPath) -> Follow {
         let robot = &self.scenario.robot;
         let starts = start_postures(robot, &path.poses[0], &self.follow);
-        follow_from(robot, &path.time_s, &path.poses, &starts.postures, &self.follow)
+        follow_from(robot, &path.time_s, &path.poses, &starts.postures, &self.thorough)
     }
 }
 
@@ -302,6 +321,13 @@ impl Prepared {
         }
     }
 
+    /// The arm along the path, to be compared with people; none without shapes or motion.
+    pub(super) fn arm<'r>(&self, robot: &'r Robot, care: Care) -> Option<ArmAlong<'r>> {
+        let steps = self.path.as_ref()?.time_s.len();
+        let motion = self.robot.as_ref().filter(|m| m.q.len() == steps)?;
+        ArmAlong::new(robot, &motion.q, care)
+    }
+
     /// Whether people may be sent along it.
     pub(super) fn is_walkable(&self) -> bool {
         self.path.is_some() && !matches!(self.status, Status::Infeasible { .. })
@@ -324,36 +350,16 @@ impl Prepared {
             checks: self.checks.clone(),
             robot_checks: self.robot.as_ref().map(robot_sentences).unwrap_or_default(),
             clearance: self.clearance.clone(),
+            self_clearance: self_clearance_words(robot, self.robot.as_ref()),
             moved_m: self.moved_m,
         })
     }
 }
 
-/// Why the robot cannot even start.
-fn out_of_reach(starts: &Starts) -> String {
-    format!(
-        "the start is out of the robot's reach (nearest {:.0} mm and {:.1} deg off); what would help: \
-         another place of the start or of the robot's base",
-        1e3 * starts.residual_m,
-        starts.residual_rad.to_degrees()
-    )
-}
-
-/// A joint whose limit is broken between the knots, as a controller would run them.
-fn between_knots(robot: &Robot, path: &TimedPath, motion: &RobotMotion) -> Option<String> {
-    if motion.q.len() != path.time_s.len() {
-        return None;
-    }
-    let names = robot.joint_names().map(str::to_owned).collect();
-    let margins = JointTrajectory::through(names, &path.time_s, &motion.q).check(robot);
-    let broken = margins.into_iter().find(|m| !m.is_kept())?;
-    let percent = |s: Option<f64>| format!("{:.0} %", 100.0 * s.unwrap_or(0.0));
-    Some(format!(
-        "joint `{}` between the points: {} of its speed, {} of its acceleration",
-        broken.joint,
-        percent(broken.velocity_share),
-        percent(broken.acceleration_share)
-    ))
+/// The smallest clearance to an obstacle, with what meets what.
+fn clearance(motion: &RobotMotion) -> Option<(f64, String)> {
+    let near = motion.obstacle_nearest.as_ref()?;
+    Some((near.distance_m, format!("link `{}` and obstacle `{}`", near.link, near.obstacle)))
 }
 
 /// Joint angles at other times, interpolated linearly.
@@ -372,32 +378,4 @@ fn seven(pose: &Pose) -> [f64; 7] {
     // One sign for each orientation, so that equal paths give equal bytes.
     let s = if q.w < 0.0 { -1.0 } else { 1.0 };
     [p.x, p.y, p.z, s * q.w, s * q.i, s * q.j, s * q.k]
-}
-
-fn robot_sentences(motion: &RobotMotion) -> Vec<String> {
-    let (v, a, m) = (&motion.qd_share, &motion.qdd_share, &motion.position_margin);
-    vec![
-        format!(
-            "joint speed: at most {:.0} % of its limit ({} at {:.2} s)",
-            100.0 * v.value,
-            v.joint,
-            v.time_s
-        ),
-        format!(
-            "joint acceleration: at most {:.0} % of its limit ({} at {:.2} s)",
-            100.0 * a.value,
-            a.joint,
-            a.time_s
-        ),
-        format!(
-            "joint range: {:.1} deg left ({} at {:.2} s)",
-            m.value.to_degrees(),
-            m.joint,
-            m.time_s
-        ),
-        format!(
-            "smallest singular value {:.3} (rotation scaled by 0.3 m)",
-            motion.min_singular_value
-        ),
-    ]
 }

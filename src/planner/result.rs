@@ -40,6 +40,10 @@ pub struct RunResult {
     pub setting: Setting,
     /// The posture model.
     pub posture_model: ModelSummary,
+    /// Postures of the best path that a reader wants to see, of the body of the verdict.
+    pub moments: Vec<Moment>,
+    /// What would lower the score of the best path; none without one.
+    pub recommendations: Option<Recommendations>,
     /// What the reader should know.
     pub warnings: Vec<String>,
     /// What is not part of the model.
@@ -174,7 +178,7 @@ pub enum Status {
     },
     /// It cannot be used.
     Infeasible {
-        /// "path", "robot", "obstacle" or "worker".
+        /// "path", "robot", "obstacle", "worker" (out of reach) or "person" (too near).
         stage: String,
         /// Why, in one sentence.
         reason: String,
@@ -198,6 +202,8 @@ pub enum Evaluated {
 pub struct BodyScores {
     /// Name of the body.
     pub body: String,
+    /// How near the robot comes to this person; none without shapes or motion of the robot.
+    pub person_clearance: Option<PersonClearance>,
     /// Number of rollouts.
     pub rollouts: usize,
     /// RULA of the coupled side.
@@ -238,6 +244,54 @@ pub struct BodyScores {
     pub reba_parts: Vec<PartScore>,
 }
 
+/// How near the robot comes to one person over the repetitions, the coupled hand and forearm at the
+/// robot's wrist excepted. A planning margin, not a safety function.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PersonClearance {
+    /// Repetitions that were looked at.
+    pub repetitions: usize,
+    /// Distance that is to be kept, m.
+    pub margin_m: f64,
+    /// Share of repetitions that may come nearer.
+    pub share_allowed: f64,
+    /// Share that does, at any moment.
+    pub share_below: f64,
+    /// Least distance over repetitions and time, m; below zero the capsules overlap.
+    pub min_m: f64,
+    /// 5th percentile over repetitions of the least distance over time, m.
+    pub p05_m: f64,
+    /// Link of the robot at the least distance.
+    pub link: String,
+    /// Body part there.
+    pub body_part: String,
+    /// When, s.
+    pub time_s: f64,
+}
+
+impl PersonClearance {
+    /// Whether the constraint is kept.
+    pub fn is_kept(&self) -> bool {
+        self.share_below <= self.share_allowed
+    }
+
+    /// All of it in one sentence.
+    pub fn sentence(&self) -> String {
+        format!(
+            "nearest {:.0} mm (link `{}` and the {} at {:.2} s), 5th percentile {:.0} mm; {:.1} % of {} \
+             repetitions nearer than {:.0} mm, {:.1} % allowed",
+            1e3 * self.min_m,
+            self.link,
+            self.body_part,
+            self.time_s,
+            1e3 * self.p05_m,
+            100.0 * self.share_below,
+            self.repetitions,
+            1e3 * self.margin_m,
+            100.0 * self.share_allowed
+        )
+    }
+}
+
 /// One body part's share in the score.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PartScore {
@@ -251,6 +305,9 @@ pub struct PartScore {
     pub drives_se: Option<f64>,
     /// Share of the time at which the total would be lower with this step at its lowest.
     pub drives_share: f64,
+    /// Mean score at each time of the path, to three decimals; of RULA only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub over_time: Vec<f64>,
 }
 
 /// A path over time.
@@ -275,6 +332,8 @@ pub struct PathData {
     pub joint_trajectory: Option<JointTrajectory>,
     /// Smallest clearance to an obstacle, m, with what meets what.
     pub clearance: Option<(f64, String)>,
+    /// Smallest distance of the arm to itself in words, or why it was not checked.
+    pub self_clearance: String,
     /// How far the QP moved the path, m.
     pub moved_m: f64,
 }
@@ -377,4 +436,53 @@ pub struct ModelSummary {
     pub quality: Vec<MethodQuality>,
     /// Remarks of the training.
     pub notes: Vec<String>,
+}
+
+/// One posture of one repetition.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Moment {
+    /// What it shows.
+    pub what: String,
+    /// Body.
+    pub body: String,
+    /// Number of the repetition, from 0.
+    pub repetition: usize,
+    /// When, s.
+    pub time_s: f64,
+    /// For how long it is held, s; of the longest hold only.
+    pub held_s: Option<f64>,
+    /// RULA at that moment.
+    pub rula: u8,
+    /// REBA at that moment.
+    pub reba: u8,
+    /// Body angles by name, deg.
+    pub angles_deg: Vec<(String, f64)>,
+    /// Bones of the person, world, m.
+    pub bones: Vec<[[f64; 3]; 2]>,
+}
+
+/// Changes that were tried on the best path, its body of the verdict and the same people.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recommendations {
+    /// Number of changes that were tried.
+    pub tried: usize,
+    /// People behind each.
+    pub people: usize,
+    /// Those that clearly lower expected RULA, best first; of each direction the best step.
+    pub clear: Vec<Recommendation>,
+}
+
+/// A change with its effect.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recommendation {
+    /// What to do.
+    pub what: String,
+    /// Expected RULA with the change minus without.
+    pub rula: PairedDifference,
+    /// Expected RULA without and with it.
+    pub expected_rula: [f64; 2],
+    /// Expected REBA without and with it.
+    pub expected_reba: [f64; 2],
+    /// Share of time at RULA 5 or more without and with it.
+    pub exposure_rula_5: [f64; 2],
 }

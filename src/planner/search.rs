@@ -10,7 +10,8 @@
 //! with one draw nor learn one block by heart. Only the order enters, so that figures on few and on
 //! many people need not be compared.
 
-use super::evaluate::Person;
+use super::evaluate::{Person, Walks};
+use super::near::{ArmAlong, Care};
 use super::objective::{Figures, PathTerms, objective};
 use super::pipeline::{Environment, PlanError, counted};
 use super::prepare::Prepared;
@@ -149,9 +150,16 @@ fn generation(
         .enumerate()
         .map(|(i, x)| (format!("{}{:03}", task.prefix, done + i), x))
         .collect();
-    let prepared = counted(environment, task.name, (done, total, best), &named, |(id, x)| {
+    let mut prepared = counted(environment, task.name, (done, total, best), &named, |(id, x)| {
         task.space.decode(id, x).map(|c| environment.workshop.candidate(&c.candidate, &c.variant))
     })?;
+    if needs_care(&prepared, state) {
+        prepared = counted(environment, task.name, (done, total, best), &named, |(id, x)| {
+            let choice = task.space.decode(id, x)?;
+            let workshop = environment.workshop;
+            Some(workshop.candidate_thoroughly(&choice.candidate, &choice.variant))
+        })?;
+    }
     let judged = judge(environment, task, g as u32, &prepared);
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
@@ -168,6 +176,16 @@ fn generation(
         state.tried.push(tried);
     }
     Ok(order.into_iter().map(|i| points[i].clone()).collect())
+}
+
+/// Whether a generation of which the arm can follow nothing is worth the global choice of its motion:
+/// the first one, and later ones if that has ever led to something.
+fn needs_care(prepared: &[Option<Prepared>], state: &SearchState) -> bool {
+    let is_the_arm =
+        |p: &Prepared| matches!(&p.status, Status::Infeasible { stage, .. } if stage == "robot");
+    let all = || prepared.iter().flatten();
+    let is_stuck = !all().any(Prepared::is_walkable) && all().any(is_the_arm);
+    is_stuck && (state.generation == 0 || state.tried.iter().any(|t| t.people > 0))
 }
 
 /// Value of each point and the number of people behind it.
@@ -202,16 +220,15 @@ fn judge(
                     .par_iter()
                     .map(|&i| {
                         at(i).map_or_else(Vec::new, |p| {
-                            environment.figures(p, (environment.seed, block), known..wanted)
+                            let block = (environment.seed, block);
+                            environment.figures(p, block, known..wanted, Care::Search)
                         })
                     })
                     .collect();
                 for (&i, more) in alive.iter().zip(more) {
                     figures[i].iter_mut().zip(more).for_each(|(f, m)| f.extend(m));
-                    let terms = at(i)
-                        .map_or(PathTerms { time_share: None, clearance_m: None }, |p| {
-                            environment.terms(p)
-                        });
+                    let nothing = PathTerms { time_share: None, clearance_m: None, person: None };
+                    let terms = at(i).map_or(nothing, |p| environment.terms_in_search(p));
                     let value = objective(&environment.preset.objective, &figures[i], terms);
                     judged[i] = (value, wanted);
                 }
@@ -271,11 +288,16 @@ impl Environment<'_> {
         p: &Prepared,
         block: (u64, u32),
         range: std::ops::Range<usize>,
+        care: Care,
     ) -> Vec<Figures> {
         let Some(path) = &p.path else { return Vec::new() };
+        let robot = self.workshop.robot_of(&p.variant);
+        let arm = (range.start < care.people()).then(|| p.arm(&robot, care)).flatten();
         let of = |person: &Person| {
             let walks = person.walk(path, &p.variant, block, range.clone());
-            Figures::of(&walks, self.lens)
+            let (near_m, nearest) = near(person, &walks, &range, (arm.as_ref(), p));
+            let nearest = nearest.filter(|_| care != Care::Search);
+            Figures { near_m, nearest, ..Figures::of(&walks, self.lens) }
         };
         self.people.iter().map(of).collect()
     }
@@ -283,10 +305,15 @@ impl Environment<'_> {
     /// The objective of one walk without chance.
     fn surely(&self, p: &Prepared, law: &PostureLaw) -> f64 {
         let Some(path) = &p.path else { return INFEASIBLE };
-        let of =
-            |person: &Person| Figures::of(&person.walk_surely(path, &p.variant, law), self.lens);
+        let robot = self.workshop.robot_of(&p.variant);
+        let arm = p.arm(&robot, Care::Search);
+        let of = |person: &Person| {
+            let walks = person.walk_surely(path, &p.variant, law);
+            let (near_m, _) = near(person, &walks, &(0..1), (arm.as_ref(), p));
+            Figures { near_m, ..Figures::of(&walks, self.lens) }
+        };
         let figures: Vec<Figures> = self.people.iter().map(of).collect();
-        objective(&self.preset.objective, &figures, self.terms(p))
+        objective(&self.preset.objective, &figures, self.terms_in_search(p))
     }
 
     /// What of the path itself enters the objective.
@@ -297,6 +324,26 @@ impl Environment<'_> {
         PathTerms {
             time_share: is_free.then_some(p.variant.whole_s() / nominal_s),
             clearance_m: p.clearance.as_ref().map(|c| c.0),
+            person: None,
         }
     }
+
+    /// The same with the margin to the person, which a search only weighs.
+    fn terms_in_search(&self, p: &Prepared) -> PathTerms {
+        PathTerms { person: Some(self.scenario.person_margin), ..self.terms(p) }
+    }
+}
+
+/// Least distances of one person's walks to the arm, m, and the least of all with what is there.
+fn near(
+    person: &Person,
+    walks: &Walks,
+    people: &std::ops::Range<usize>,
+    (arm, p): (Option<&ArmAlong>, &Prepared),
+) -> (Vec<f64>, Option<(f64, String)>) {
+    let Some(arm) = arm else { return (Vec::new(), None) };
+    let closest = person.closest(walks, people, (arm, &p.variant));
+    let least = closest.iter().flatten().min_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+    let nearest = least.map(|c| (c.distance_m, arm.words(c, person.parts())));
+    (closest.into_iter().flatten().map(|c| c.distance_m).collect(), nearest)
 }

@@ -133,8 +133,10 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
             })
             .collect();
         legend(sheet, (14.0, 84.0), 1570.0, &keys)?;
-        let (left, right) = (330.0, 1370.0);
-        sheet.text("level 3 or above", (1580.0, top - 22.0), Type::bold(TICK), Anchor::Right)?;
+        let (left, right) = (330.0, 1250.0);
+        for (x, words) in [(1400.0, "time at 3+"), (1580.0, "people at 3+")] {
+            sheet.text(words, (x, top - 22.0), Type::bold(TICK), Anchor::Right)?;
+        }
         let along = |share: f64| left + share * (right - left);
         let bottom = top + row * rows as f64;
         for k in 0..=5 {
@@ -181,7 +183,9 @@ fn level_bar(
         }
     }
     let above = percent(body.rula.exposure.get(5).copied().unwrap_or(0.0));
-    sheet.text(&above, (1580.0, y), bold, Anchor::Right)
+    sheet.text(&above, (1400.0, y), bold, Anchor::Right)?;
+    let people = percent(body.rula.p_at_least.get(5).copied().unwrap_or(0.0));
+    sheet.text(&people, (1580.0, y), bold, Anchor::Right)
 }
 
 /// A name cut to a width.

@@ -1,6 +1,7 @@
 //! `report.html`: the frame of the page, the verdict and the figures.
 
 use super::ReportError;
+use super::page_advice as advice;
 use super::page_evidence as evidence;
 use super::page_scene as scene;
 use super::page_scores as scores;
@@ -32,18 +33,24 @@ pub(super) struct ScoreFigures {
     pub over_time: Vec<u8>,
     pub levels: Vec<u8>,
     pub parts: Vec<u8>,
+    pub parts_over_time: Option<Vec<u8>>,
+    pub postures: Option<Vec<u8>>,
+    pub distributions: Vec<u8>,
+    pub population: Option<Vec<u8>>,
 }
 
 /// The sections in their order: id and heading.
-const SECTIONS: [(&str, &str); 14] = [
+const SECTIONS: [(&str, &str); 16] = [
     ("verdict", "Verdict"),
-    ("scene", "The scene in motion"),
-    ("levels", "Time at each action level"),
+    ("levels", "Time and people at each action level"),
     ("variants", "Paths compared"),
+    ("scene", "The scene in motion"),
     ("paths", "The paths"),
-    ("curves", "Scores over time"),
     ("parts", "Body parts"),
+    ("curves", "Scores over time"),
+    ("postures", "Postures to look at"),
     ("bodies", "Body sizes"),
+    ("recommendations", "What would help"),
     ("inputs", "Inputs and where they come from"),
     ("assumptions", "Assumptions and what is not modelled"),
     ("verification", "Verification"),
@@ -56,15 +63,18 @@ const SECTIONS: [(&str, &str); 14] = [
 pub(super) fn report(view: &View, figures: &Figures) -> Result<String, ReportError> {
     let setting = &view.result.setting;
     let title = format!("{} – ergopath report", setting.name);
-    let contents: [Markup; 14] = [
+    let scored = figures.scores.as_ref();
+    let contents: [Markup; 16] = [
         verdict(view),
-        scene::section(view),
         levels(view, figures),
-        scores::variants(view),
+        variants(view, figures),
+        scene::section(view),
         paths(view, figures),
-        curves(figures),
         parts(view, figures),
-        scores::bodies(view),
+        curves(figures),
+        advice::postures(view, scored.and_then(|f| f.postures.as_ref())),
+        bodies(view, figures),
+        advice::recommendations(view),
         evidence::inputs(view),
         evidence::assumptions(view),
         evidence::verification(view),
@@ -131,7 +141,7 @@ pub(super) fn list(lines: &[String]) -> Markup {
     html! { ul { @for line in lines { li { (ticked(line)) } } } }
 }
 
-fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
+pub(super) fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
     html! {
         figure {
             img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(alt);
@@ -263,7 +273,8 @@ fn levels(view: &View, figures: &Figures) -> Markup {
             lead.id
         ),
         "Each bar is one path, best first: the share of time, over all simulated repetitions, that the \
-         posture is at each RULA action level. Worst body size of each path.",
+         posture is at each RULA action level. People at 3+: the share of repetitions at level 3 or above \
+         for half a second or more in total. Worst body size of each path.",
     )
 }
 
@@ -279,6 +290,33 @@ fn paths(view: &View, figures: &Figures) -> Markup {
         "Paths from the side and from above, with the person and the robot as stick figures at start and goal.",
         caption,
     )
+}
+
+fn variants(view: &View, figures: &Figures) -> Markup {
+    html! {
+        (scores::variants(view))
+        @if let Some(figures) = &figures.scores {
+            (figure(
+                &figures.distributions,
+                "Box plots of the time mean of RULA over repetitions, one for each path of the table.",
+                "How much one repetition differs from another: time mean of RULA of every simulated repetition.",
+            ))
+        }
+    }
+}
+
+fn bodies(view: &View, figures: &Figures) -> Markup {
+    let chart = figures.scores.as_ref().and_then(|f| f.population.as_ref());
+    html! {
+        @if let Some(chart) = chart {
+            (figure(
+                chart,
+                "Expected RULA and REBA of the best path for each body size, with bands; the table below holds the same numbers.",
+                "Dot: expected score. Bar: nine of ten repetitions. The shares of time stand in the table.",
+            ))
+        }
+        (scores::bodies(view))
+    }
 }
 
 fn curves(figures: &Figures) -> Markup {
@@ -307,5 +345,12 @@ fn parts(view: &View, figures: &Figures) -> Markup {
              average if this step alone were at its lowest. The right column says where a change pays.",
         ))
         (scores::parts(view))
+        @if let Some(map) = &figures.parts_over_time {
+            (figure(
+                map,
+                "Map of the mean RULA step score of each body part over time along the best path.",
+                "When each body part is loaded: the mean step score over people at each moment, darker is higher.",
+            ))
+        }
     }
 }

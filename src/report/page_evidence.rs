@@ -5,7 +5,7 @@ use super::page::{list, ticked};
 use super::page_scores::error;
 use super::view::{View, change, percent, quantity_words, score, value};
 use crate::path::Check;
-use crate::planner::{BodyScores, InputOrigin, PathData, Status};
+use crate::planner::{BodyScores, CandidateResult, InputOrigin, PathData, PersonClearance, Status};
 use crate::scenario::Origin;
 use maud::{Markup, html};
 
@@ -88,6 +88,56 @@ pub(super) fn verification(view: &View) -> Markup {
             h3 { "Simulated people" @if lead.bodies.len() > 1 { " (" (body.body) ")" } }
             (trust(body))
         }
+        (another_seed(view))
+        (thresholds(view))
+        (near_people(lead))
+    }
+}
+
+/// How near the robot comes to each body.
+fn near_people(lead: &CandidateResult) -> Markup {
+    let found: Vec<(&str, &PersonClearance)> = lead
+        .bodies
+        .iter()
+        .filter_map(|b| b.person_clearance.as_ref().map(|c| (b.body.as_str(), c)))
+        .collect();
+    html! {
+        h3 { "Distance between robot and person" }
+        @if found.is_empty() {
+            p { "Not checked: the robot has no collision shapes, or does not follow the path." }
+        } @else {
+            p.note {
+                "Least distance of each repetition over time, between capsules around the robot's links and the person's body parts. \
+                 The hand and forearm that hold on may be at the robot's wrist and do not count there. This is a margin for planning, \
+                 not a safety function."
+            }
+            div.scroll tabindex="0" role="region" aria-label="Distance between robot and person" {
+                table {
+                    thead { tr {
+                        th scope="col" { "Body" }
+                        th.n scope="col" { "Least (mm)" }
+                        th.n scope="col" { "5th percentile (mm)" }
+                        th.n scope="col" { "Margin (mm)" }
+                        th.n scope="col" { "Nearer than the margin" }
+                        th.n scope="col" { "Allowed" }
+                        th scope="col" { "Nearest" }
+                        th scope="col" { "Kept" }
+                    } }
+                    tbody { @for (body, c) in &found {
+                        tr {
+                            th scope="row" { (body) }
+                            td.n { (format!("{:.0}", 1e3 * c.min_m)) }
+                            td.n { (format!("{:.0}", 1e3 * c.p05_m)) }
+                            td.n { (format!("{:.0}", 1e3 * c.margin_m)) }
+                            td.n { (percent(c.share_below)) }
+                            td.n { (percent(c.share_allowed)) }
+                            td { code { (c.link) } " and " (c.body_part) " at " (format!("{:.2}", c.time_s)) " s" }
+                            td { @if c.is_kept() { "yes" } @else { strong { "no" } } }
+                        }
+                    } }
+                }
+            }
+        }
     }
 }
 
@@ -117,6 +167,7 @@ fn limits(id: &str, path: &PathData) -> Markup {
             } @else {
                 li { "no obstacle was given, so no clearance was checked" }
             }
+            li { (ticked(&path.self_clearance)) }
             li { "planning moved the path by at most " (format!("{:.1}", 1e3 * path.moved_m)) " mm to keep the limits" }
         }
     }
@@ -134,6 +185,47 @@ fn check_row(check: &Check) -> Markup {
             td.n { (format!("{:.2}", check.at_s)) }
             td { @if check.is_met() { "yes" } @else { strong { "no" } } }
         }
+    }
+}
+
+/// The best path among other people, and what was searched.
+fn another_seed(view: &View) -> Markup {
+    let Some(c) = &view.result.certificate else { return html! {} };
+    let moved = c.expected_rula_other_seed - c.expected_rula;
+    let is_within = moved.abs() <= c.half_width95;
+    html! {
+        h3 { "Under another seed" }
+        p {
+            (c.people) " other simulated people: expected RULA " (score(c.expected_rula_other_seed)) " against "
+            (score(c.expected_rula)) ", " @if is_within { "within" } @else { strong { "outside" } }
+            " the 95 % interval of " (format!("{:.3}", c.half_width95)) " for chance alone. The path itself was not searched again."
+        }
+        @if !view.result.search.is_empty() {
+            ul { @for s in &view.result.search { li { (s.name) ": " (s.paths) " paths tried, " (s.infeasible) " refused" } } }
+        }
+    }
+}
+
+/// The expected scores with the angle thresholds moved.
+fn thresholds(view: &View) -> Markup {
+    let Some(t) = &view.result.threshold_sensitivity else { return html! {} };
+    html! {
+        h3 { "If the angle thresholds lay elsewhere" }
+        div.scroll tabindex="0" role="region" aria-label="Moved thresholds" { table.slim {
+            caption { "Expected scores of the best path with thresholds moved by " (t.by_deg) "\u{b0} (measured angles are as uncertain as that)." }
+            thead { tr {
+                th scope="col" { "Thresholds of" }
+                th.n scope="col" { "RULA, laxer to stricter" }
+                th.n scope="col" { "REBA, laxer to stricter" }
+            } }
+            tbody { @for b in &t.bands {
+                tr {
+                    th scope="row" { (b.part.map_or("all together", |p| p.name())) }
+                    td.n { (score(b.laxer.rula)) " to " (score(b.stricter.rula)) }
+                    td.n { (score(b.laxer.reba)) " to " (score(b.stricter.reba)) }
+                }
+            } }
+        } }
     }
 }
 
@@ -221,6 +313,8 @@ fn stage_words(stage: &str) -> &str {
         "path" => "limits of the path",
         "robot" => "the robot",
         "obstacle" => "an obstacle",
+        "worker" => "the worker's reach",
+        "person" => "the distance to the person",
         other => other,
     }
 }

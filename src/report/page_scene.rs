@@ -2,12 +2,18 @@
 
 use super::ReportError;
 use super::figure_paths::role;
-use super::style::{RULA_LEVELS, Stroke, css};
+use super::style::{Pen, RULA_LEVELS, Stroke, css};
 use super::view::{View, family_words};
 use crate::ergonomics::BandOverTime;
 use crate::planner::{CandidateResult, SceneMotion, SceneObstacle};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
+use std::io::Write;
+use std::sync::OnceLock;
 
 /// Draws the scene; part of the page.
 const SCENE_SCRIPT: &str = include_str!("scene.js");
@@ -134,6 +140,7 @@ pub(super) fn section(view: &View) -> Markup {
             }
             div id="scene-plot" tabindex="0" role="group"
                 aria-label="3-D scene. Drag or use the arrow keys to turn it, plus and minus to zoom." {}
+            (key(view, &paths))
             div.controls role="group" aria-label="Time" {
                 button type="button" id="scene-play" { "Play" }
                 label.wide { "Time " input type="range" id="scene-frame" min="0" max="99" value="0"; }
@@ -156,10 +163,36 @@ pub(super) fn section(view: &View) -> Markup {
     }
 }
 
+/// What the lines and bodies are; each differs from the others in more than colour.
+fn key(view: &View, paths: &[(&CandidateResult, &SceneMotion)]) -> Markup {
+    let mut pens: Vec<(Pen, &str)> = Vec::new();
+    for (candidate, _) in paths {
+        let (depth, pen) = role(view, candidate);
+        let words = ["other paths", "straight path", "your own path", "best path"];
+        let entry = (pen, words[usize::from(depth).min(3)]);
+        if !pens.contains(&entry) {
+            pens.push(entry);
+        }
+    }
+    html! {
+        ul.key-list aria-label="Key" {
+            @for (pen, words) in pens {
+                li { span.stroke style={ "border-top:4px " (pen.stroke.css()) " " (css(pen.color)) } {} (words) }
+            }
+            li { "the chosen path is the thickest" }
+            @if view.result.scene.workspace_m.is_some() {
+                li { span.stroke style="border-top:2px dotted #005a8c" {} "workspace of the tool" }
+            }
+            li { span.swatch style="background:#c3cad5" {} "robot" }
+            li { span.swatch style="background:#4b5c7833" {} "ghosts" }
+        }
+    }
+}
+
 /// Data, library and script; empty without a scored path.
 pub(super) fn scripts(view: &View) -> Result<Markup, ReportError> {
     let paths = shown(view);
-    let (Some((first, _)), Some(library)) = (paths.first(), library()) else { return Ok(html! {}) };
+    let Some((first, _)) = paths.first() else { return Ok(html! {}) };
     let page = PageScene {
         workspace_m: view.result.scene.workspace_m,
         obstacles: &view.result.scene.obstacles,
@@ -180,7 +213,7 @@ pub(super) fn scripts(view: &View) -> Result<Markup, ReportError> {
     let data = serde_json::to_string(&page)?.replace('<', "\\u003c");
     Ok(html! {
         script type="application/json" id="scene-data" { (PreEscaped(data)) }
-        script type="text/plain" id="scene-library" { (PreEscaped(library)) }
+        script type="text/plain" id="scene-library" { (packed_library()?) }
         script { (PreEscaped(SCENE_SCRIPT)) }
     })
 }
@@ -193,14 +226,35 @@ fn library() -> Option<String> {
     Some(script.to_owned())
 }
 
+/// The same, compressed with gzip, in base64: less than half of its size.
+fn packed_library() -> Result<&'static str, ReportError> {
+    static PACKED: OnceLock<String> = OnceLock::new();
+    if let Some(packed) = PACKED.get() {
+        return Ok(packed);
+    }
+    let message = || "the plotly crate holds its script in another form".to_owned();
+    let script = library()
+        .ok_or_else(|| ReportError::Figure { name: "scene".into(), message: message() })?;
+    let failed =
+        |e: std::io::Error| ReportError::Figure { name: "scene".into(), message: e.to_string() };
+    // The header holds no time, so that the bytes are always the same.
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::new(6));
+    encoder.write_all(script.as_bytes()).map_err(failed)?;
+    let bytes = encoder.finish().map_err(failed)?;
+    Ok(PACKED.get_or_init(|| STANDARD.encode(bytes)))
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
     fn the_library_is_plotly_alone() {
         let script = super::library().unwrap();
         assert!(script.contains("plotly.js v3"));
-        // What would let the page's parser leave the element early.
-        assert!(!script.contains("</script") && !script.contains("<!--"));
-        assert!(!script.contains("MathJax-script") && script.len() < 5_500_000);
+        assert!(script.len() < 5_500_000, "{}", script.len());
+        let packed = super::packed_library().unwrap();
+        assert!(
+            packed.len() < 2_500_000
+                && packed.bytes().all(|b| b.is_ascii_alphanumeric() || b"+/=".contains(&b))
+        );
     }
 }

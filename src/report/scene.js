@@ -1,5 +1,5 @@
 // The moving scene of report.html. Everything comes from the page itself: plotly.js, which draws, lies
-// in one inert script element, the data in another; both are read once the page has been painted.
+// compressed in one inert element, the data in another; both are read once the page has been painted.
 "use strict";
 (() => {
   const FRAMES = 100;
@@ -123,11 +123,11 @@
 
   const columns = (points) => ({ x: points.map((p) => p && p[0]), y: points.map((p) => p && p[1]), z: points.map((p) => p && p[2]) });
   const line = (points, name, color, width, dash) => ({
-    type: "scatter3d", mode: "lines", ...columns(points), name, hoverinfo: "skip", showlegend: false,
+    type: "scatter3d", mode: "lines", ...columns(points), name, hoverinfo: "skip",
     connectgaps: false, line: { color, width, dash: dash || "solid" },
   });
   const words = (points, text, color, size) => ({
-    type: "scatter3d", mode: "text", ...columns(points), text, hoverinfo: "skip", showlegend: false,
+    type: "scatter3d", mode: "text", ...columns(points), text, hoverinfo: "skip",
     textposition: "top center", textfont: { color, size: size || 14 },
   });
 
@@ -147,7 +147,7 @@
     if (all.points.length) {
       const [i, j, k] = [0, 1, 2].map((c) => all.faces.map((f) => f[c]));
       traces.push({ type: "mesh3d", ...columns(all.points), i, j, k, color: "#8d97a6", opacity: 0.45,
-        flatshading: true, lighting: LIGHT, hoverinfo: "skip", name: "obstacles", showlegend: true });
+        flatshading: true, lighting: LIGHT, hoverinfo: "skip", name: "obstacles" });
       traces.push(line(all.edges, "", "#545e6e", 2));
       traces.push(words(names, data.obstacles.map((o) => o.name), "#3b4453", 13));
     }
@@ -155,16 +155,16 @@
       const [low, high] = data.workspace_m;
       const corner = (c) => c.map((s, a) => (s < 0 ? low[a] : high[a]));
       const edges = EDGES.flatMap((e) => [...e.map((v) => corner(CORNERS[v])), null]);
-      traces.push({ ...line(edges, "workspace of the tool", "#005a8c", 2, "dot"), showlegend: true });
+      traces.push({ ...line(edges, "workspace of the tool", "#005a8c", 2, "dot") });
     }
     // A bar of 1 m and the world's axes on the floor, in a corner.
     const [x, y, z] = [limits[0][0] + 0.1, limits[1][0] + 0.1, limits[2][0] + 0.005];
-    const tip = 0.35;
+    const tip = 0.25;
     traces.push(line([[x, y, z], [x + tip, y, z], null, [x, y, z], [x, y + tip, z], null, [x, y, z], [x, y, z + tip]], "", INK, 5));
     traces.push(words([[x + tip, y, z], [x, y + tip, z], [x, y, z + tip]], ["x", "y", "z"], INK, 16));
-    const [left, near] = [limits[0][1] - 1.1, limits[1][0] + 0.1];
-    traces.push(line([[left, near, z], [left + 1, near, z]], "", INK, 8));
-    traces.push(words([[left + 0.5, near, z]], ["1 m"], INK, 16));
+    const far = limits[1][1] - 0.1;
+    traces.push(line([[x - 0.06, far - 1, z], [x - 0.06, far, z]], "", INK, 8));
+    traces.push(words([[x - 0.06, far - 0.5, z]], ["1 m"], INK, 16));
     return traces;
   }
 
@@ -207,8 +207,15 @@
 
   const mesh = (tube, name, color, opacity) => ({
     type: "mesh3d", ...tube.mesh, i: tube.i, j: tube.j, k: tube.k, name, color, opacity, lighting: LIGHT,
-    lightposition: { x: 2000, y: -4000, z: 9000 }, hoverinfo: "skip", showlegend: true,
+    lightposition: { x: 2000, y: -4000, z: 9000 }, hoverinfo: "skip",
   });
+
+  /** Capsules in which ghosts differ from the person shown; a little thinner, so that equal ones hide inside. */
+  function varied(capsules, { typical, ghosts }) {
+    const differs = (point) => ghosts.some((g) => [0, g.length - 1].some((k) => typical && typical[k] &&
+      [0, 1, 2].some((a) => Math.abs(g[k][3 * point + a] - typical[k][3 * point + a]) > 0.002)));
+    return capsules.filter((c) => c.ends.some(differs)).map((c) => ({ ...c, radius_mm: 0.93 * c.radius_mm }));
+  }
 
   /** Shown things of the chosen path and body. */
   let show = {};
@@ -220,7 +227,7 @@
     show = {
       motion, people, points: ready.people[which], robotPoints: ready.robot,
       person: people.typical && tubes(people.capsules, 1, 12, 4),
-      ghosts: people.ghosts.length && tubes(people.capsules, people.ghosts.length, 6, 2),
+      ghosts: people.ghosts.length && tubes(varied(people.capsules, ready.people[which]), people.ghosts.length, 6, 2),
       robot: motion.robot && tubes(motion.robot.capsules, 1, 12, 3),
     };
   }
@@ -253,7 +260,7 @@
       const points = [];
       for (let i = 0; i < motion.tcp_mm.length; i += 3) points.push([0, 1, 2].map((a) => motion.tcp_mm[i + a] / 1000));
       const chosen = n === state.path;
-      return { ...line(points, motion.name, motion.color, chosen ? 9 : 4, motion.dash), showlegend: true, opacity: chosen ? 1 : 0.75 };
+      return { ...line(points, motion.name, motion.color, chosen ? 9 : 4, motion.dash), opacity: chosen ? 1 : 0.75 };
     });
     const at = (n) => motionOf(state.path).tcp_mm.slice(n, n === 0 ? 3 : undefined).map((v) => v / 1000);
     const ends = [at(0), at(-3)];
@@ -262,18 +269,16 @@
     return traces;
   }
 
-  const EYES = {
-    free: { eye: { x: -0.95, y: -1.6, z: 0.75 }, projection: { type: "perspective" } },
-    side: null, front: null,
-    top: { eye: { x: 0, y: 0, z: 2 }, up: { x: data.facing[0], y: data.facing[1], z: 0 } },
-  };
+  // Where the eye is, as seen by the worker: beside, before, above; in units of the scene's cube.
   const [fx, fy] = data.facing;
-  EYES.side = { eye: { x: 2 * fy, y: -2 * fx, z: 0 } };
-  EYES.front = { eye: { x: 2 * fx, y: 2 * fy, z: 0 } };
-  EYES.free.eye = { x: 0.9 * fx + 1.35 * fy, y: 0.9 * fy - 1.35 * fx, z: 0.7 };
-  function camera(view) {
-    return { center: { x: 0, y: 0, z: -0.06 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" }, ...EYES[view] };
-  }
+  const UP = { x: 0, y: 0, z: 1 };
+  const EYES = {
+    free: { eye: { x: 0.93 * fx + 1.2 * fy, y: 0.93 * fy - 1.2 * fx, z: 0.6 }, up: UP },
+    side: { eye: { x: 1.6 * fy, y: -1.6 * fx, z: 0.05 }, up: UP },
+    front: { eye: { x: 1.6 * fx, y: 1.6 * fy, z: 0.05 }, up: UP },
+    top: { eye: { x: -0.001 * fx, y: -0.001 * fy, z: 1.7 }, up: UP },
+  };
+  const camera = (view) => ({ center: { x: 0, y: 0, z: -0.06 }, ...EYES[view] });
 
   let limits;
   function layout() {
@@ -283,9 +288,8 @@
     const longest = Math.max(...size);
     const ratio = size.map((s) => (1.35 * s) / longest);
     return {
-      autosize: true, margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "keep", paper_bgcolor: "#ffffff",
+      autosize: true, showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "keep", paper_bgcolor: "#ffffff",
       font: { family: "system-ui, sans-serif", size: 13, color: INK }, hovermode: false,
-      legend: { orientation: "h", x: 0, y: 0, xanchor: "left", yanchor: "top", itemclick: false, itemdoubleclick: false },
       scene: { domain: { x: [0, 1], y: [0, 1] }, hovermode: false, dragmode: "turntable", camera: camera("free"),
         aspectmode: "manual", aspectratio: { x: ratio[0], y: ratio[1], z: ratio[2] },
         xaxis: axis(0, "x (m)"), yaxis: axis(1, "y (m)"), zaxis: axis(2, "height z (m)") },
@@ -364,7 +368,7 @@
     event.preventDefault();
     const [a, e, r] = [around + move[0], Math.max(-1.5, Math.min(1.5, up + move[1])), far * move[2]];
     const eye = { x: r * Math.cos(e) * Math.cos(a), y: r * Math.cos(e) * Math.sin(a), z: r * Math.sin(e) };
-    Plotly.relayout("scene-plot", { "scene.camera": { ...now, eye, up: { x: 0, y: 0, z: 1 }, projection: { type: "perspective" } } });
+    Plotly.relayout("scene-plot", { "scene.camera": { ...now, eye, up: UP } });
   }
 
   function controls() {
@@ -386,17 +390,24 @@
       $("scene-status").textContent = "This browser shows no 3-D graphics (WebGL is off). The figures below show start and goal.";
       return;
     }
+    const packed = Uint8Array.from(atob($("scene-library").textContent), (c) => c.charCodeAt(0));
     const library = document.createElement("script");
-    library.textContent = $("scene-library").textContent;
+    library.textContent = await new Response(
+      new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
     document.head.append(library);
     box.hidden = false;
     limits = extent();
     await redrawAll();
     controls();
     readout();
-    $("scene-status").remove();
+    $("scene-status").hidden = true;
     box.dataset.ready = Math.round(performance.now());
   }
+  const failed = (error) => {
+    $("scene-status").textContent = `The scene could not be made (${error.message}). The figures below show start and goal.`;
+    box.hidden = true;
+    console.error(error);
+  };
   // After the first paint, so that the page can be read at once.
-  requestAnimationFrame(() => setTimeout(start, 0));
+  requestAnimationFrame(() => setTimeout(() => start().catch(failed), 0));
 })();

@@ -98,8 +98,19 @@ pub(super) enum Stroke {
     Dotted,
 }
 
+impl Stroke {
+    /// As the style of a border in CSS.
+    pub(super) fn css(self) -> &'static str {
+        match self {
+            Self::Solid => "solid",
+            Self::Dashed => "dashed",
+            Self::Dotted => "dotted",
+        }
+    }
+}
+
 /// How one path is drawn wherever it appears.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pen {
     pub color: RGBColor,
     pub width: f64,

@@ -105,6 +105,13 @@ fn text(files: &Files, name: &str) -> String {
     String::from_utf8(bytes.clone()).unwrap()
 }
 
+/// What is left for a reader whose browser runs no scripts.
+fn without_scripts(page: &str) -> String {
+    let mut parts = page.split("<script");
+    let first = parts.next().unwrap().to_owned();
+    parts.fold(first, |text, part| text + part.split_once("</script>").unwrap().1)
+}
+
 fn assert_self_contained(page: &str) {
     for start in ["src=\"", "href=\""] {
         for rest in page.split(start).skip(1) {
@@ -115,8 +122,17 @@ fn assert_self_contained(page: &str) {
             );
         }
     }
-    for word in ["<script", "<link", "@import", "url("] {
-        assert!(!page.contains(word), "{word}");
+    for word in ["<link", "@import", "url(", "<iframe", "<object", " onclick="] {
+        assert!(!without_scripts(page).contains(word), "{word}");
+    }
+    // Scripts stand in the page, and the page's own ones ask nobody for anything. What the library
+    // does is watched in a browser, by `tests/browser.rs`.
+    for script in page.split("<script").skip(1) {
+        assert!(!script.split('>').next().unwrap().contains("src"));
+        let text = script.split("</script>").next().unwrap();
+        for word in ["fetch(", "XMLHttpRequest", "import ", "WebSocket", "http:", "https:"] {
+            assert!(!text.contains(word), "{word}");
+        }
     }
     for word in ["<html lang=\"en\">", "<title>", "href=\"#main\"", "id=\"main\""] {
         assert!(page.contains(word), "{word}");
@@ -145,6 +161,7 @@ fn the_page_needs_nothing_else() {
 fn names_are_escaped_and_the_caveat_is_in_the_verdict() {
     let page = text(made(), "report.html");
     assert!(page.contains("A &lt;b&gt;&amp;") && !page.contains("<b>"));
+    assert!(page.len() < 8_000_000 && without_scripts(&page).contains("The scene needs scripts"));
     let verdict = page.split("<section").nth(1).unwrap();
     assert!(verdict.contains("demonstration model, not your workers"));
 }
@@ -161,6 +178,77 @@ fn assert_figures(files: &Files, count: usize) {
         assert!(info.height >= 200, "{name}");
         let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
         assert!(inked > 1500, "{name}: {inked}");
+    }
+}
+
+/// The robot's last point and the person's hand stay with the path; the page has what the result has.
+#[test]
+fn the_scene_follows_the_path() {
+    let result = feasible();
+    assert_eq!(
+        result.scene.motions.len(),
+        result.candidates.iter().filter(|c| c.rank.is_some()).count()
+    );
+    for motion in &result.scene.motions {
+        let candidate = result.candidates.iter().find(|c| c.id == motion.candidate).unwrap();
+        let path = candidate.path.as_ref().unwrap();
+        let robot = motion.robot.as_ref().unwrap();
+        let robot_points = robot.track.points_mm(motion.samples.len());
+        for person in &motion.people {
+            let typical = person.typical.as_ref().unwrap();
+            assert_eq!(person.ghosts.len(), 8);
+            let points = typical.track.points_mm(typical.rula.len());
+            for (k, &sample) in motion.samples.iter().enumerate() {
+                let tcp: Vec<f64> = path.tcp[sample][..3].iter().map(|v| 1e3 * v).collect();
+                let nearest = |points: &[[i64; 3]], ends: [usize; 2], radius: u32| {
+                    let [a, b] = ends.map(|e| nalgebra::Vector3::from(points[e].map(|v| v as f64)));
+                    let t = nalgebra::Vector3::from_column_slice(&tcp);
+                    let s =
+                        ((t - a).dot(&(b - a)) / (b - a).norm_squared().max(1.0)).clamp(0.0, 1.0);
+                    (t - a.lerp(&b, s)).norm() - f64::from(radius)
+                };
+                let least = |points: &[[i64; 3]], capsules: &[crate::planner::SceneCapsule]| {
+                    let far = capsules.iter().map(|c| nearest(points, c.ends, c.radius_mm));
+                    far.fold(f64::INFINITY, f64::min)
+                };
+                let (hand, tool) =
+                    (least(&points[k], &person.capsules), least(&robot_points[k], &robot.capsules));
+                assert!(
+                    hand < 15.0 && tool < 60.0,
+                    "{}: hand {hand} mm, tool {tool} mm",
+                    motion.candidate
+                );
+            }
+        }
+    }
+    let page = text(made(), "report.html");
+    let data = page.split_once("id=\"scene-data\">").unwrap().1.split_once("</script>").unwrap().0;
+    let data: Value = serde_json::from_str(data).unwrap();
+    let whole: Value = serde_json::from_str(&text(made(), "result.json")).unwrap();
+    for (shown, meant) in data["motions"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(whole["scene"]["motions"].as_array().unwrap())
+    {
+        assert_eq!(shown["people"], meant["people"]);
+        assert_eq!(shown["robot"], meant["robot"]);
+        let path = whole["candidates"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|c| c["id"] == meant["candidate"])
+            .unwrap();
+        for (k, sample) in meant["samples"].as_array().unwrap().iter().enumerate() {
+            let sample = sample.as_u64().unwrap() as usize;
+            assert_eq!(shown["time_s"][k], path["path"]["time_s"][sample]);
+            for (of, b) in
+                shown["scores"].as_array().unwrap().iter().zip(path["bodies"].as_array().unwrap())
+            {
+                assert_eq!(of["rula"]["mean"][k], b["rula"]["band"]["mean"][sample]);
+                assert_eq!(of["reba"]["p95"][k], b["reba"]["band"]["p95"][sample]);
+            }
+        }
     }
 }
 

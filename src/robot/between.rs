@@ -74,6 +74,22 @@ pub fn between(
     Some(Between { speed, acceleration, range, distance_m, angle_rad })
 }
 
+/// Postures at other times on the clamped cubic spline through knots (K of n values at K >= 2 rising
+/// times, s); before the first and after the last they stay.
+pub(super) fn spline_at(time_s: &[f64], q: &[Vec<f64>], wanted: &[f64]) -> Vec<Vec<f64>> {
+    let n = q.first().map_or(0, Vec::len);
+    let rates: Vec<Vec<f64>> = (0..n).map(|i| knot_rates(time_s, q, i)).collect();
+    let at = |t: &f64| {
+        let k = time_s.partition_point(|s| s <= t).clamp(1, time_s.len() - 1) - 1;
+        let h = time_s[k + 1] - time_s[k];
+        let s = ((t - time_s[k]) / h).clamp(0.0, 1.0);
+        let joint =
+            |i: usize| hermite([q[k][i], q[k + 1][i], rates[i][k], rates[i][k + 1]], h, s)[0];
+        (0..n).map(joint).collect()
+    };
+    wanted.iter().map(at).collect()
+}
+
 /// Position, speed and acceleration at a share `s` of a step of `h` seconds, from both ends' positions
 /// and speeds.
 fn hermite([a, b, va, vb]: [f64; 4], h: f64, s: f64) -> [f64; 3] {

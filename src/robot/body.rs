@@ -2,13 +2,22 @@
 //! from them: clearance and distance from singular postures.
 
 use super::clearance::Obstacle;
+use super::collide::random_posture;
 use super::description::{Robot, tips};
-use crate::kinematics::{Frames, Linkage, LinkageError, Model, Shape};
+use crate::kinematics::{Frames, JointKind, Linkage, LinkageError, Model, Shape};
 use crate::math::{Pose, Vec3};
-use nalgebra::{Matrix6, Matrix6xX};
+use nalgebra::{Matrix3, Matrix6, Matrix6xX};
 
 /// Length by which a rotation counts as a displacement, m: about half a forearm.
 pub(super) const ROTATION_SCALE_M: f64 = 0.3;
+
+/// Joints before the TCP whose links may be the wrist, and how far from the TCP a wrist reaches at
+/// most, m: a hand that holds the tool and its forearm are beside it.
+const WRIST_JOINTS: usize = 3;
+const WRIST_REACH_M: f64 = 0.32;
+/// Postures by which that is found.
+const WRIST_SAMPLES: u32 = 200;
+const WRIST_BLOCK: u32 = 1 << 22;
 
 /// Keeps joint rates finite in singular postures, m^2.
 const RATE_DAMPING: f64 = 1e-6;
@@ -21,8 +30,16 @@ pub(super) struct Part {
     tip: usize,
     a: Vec3,
     b: Vec3,
-    radius: f64,
-    is_moving: bool,
+    pub(super) radius: f64,
+    pub(super) is_moving: bool,
+    /// Rigid body that the link belongs to: 0 the base, else one more than the index of the moving
+    /// joint above it; and the body that this one hangs on.
+    pub(super) body: usize,
+    pub(super) parent: usize,
+    /// True when one of the last joints before the TCP moves it.
+    pub(super) is_late: bool,
+    /// True when it is late and never far from the TCP; set by [`mark_wrist`].
+    is_wrist: bool,
 }
 
 /// A capsule around a link of a robot in some posture.
@@ -65,6 +82,8 @@ pub(super) fn parts(
     };
     let mut names = vec![tcp];
     names.extend(chain.joints().iter().filter_map(|j| child(&j.name)));
+    let late: Vec<&str> =
+        chain.joints().iter().rev().take(WRIST_JOINTS).map(|j| j.name.as_str()).collect();
     let mut parts = Vec::new();
     for link in model.links.iter().filter(|l| !l.shapes.is_empty()) {
         let Ok(to_link) = Linkage::chain(model, base, &link.name) else { continue };
@@ -77,12 +96,40 @@ pub(super) fn parts(
             if a == b && own.iter().enumerate().any(|(k, other)| k != i && is_end(other)) {
                 continue;
             }
-            let (link, tip) = (link.name.clone(), names.len());
-            parts.push(Part { link, tip, a, b, radius, is_moving: to_link.dof() > 0 });
+            let (name, tip, is_moving) = (link.name.clone(), names.len(), to_link.dof() > 0);
+            let (body, parent) = bodies(model, base, &link.name);
+            let is_late = to_link.joints().iter().any(|j| late.contains(&j.name.as_str()));
+            let is_wrist = false;
+            parts.push(Part {
+                link: name,
+                tip,
+                a,
+                b,
+                radius,
+                is_moving,
+                body,
+                parent,
+                is_late,
+                is_wrist,
+            });
         }
         names.push(&link.name);
     }
     Ok((Linkage::new(model, base, &tips(names))?, parts))
+}
+
+/// The rigid body of a link and the one that it hangs on, as in [`Part::body`].
+fn bodies(model: &Model, base: &str, link: &str) -> (usize, usize) {
+    let mut above = Vec::new();
+    let mut at = model.link_index(link);
+    while let Some(l) = at.filter(|&l| model.links[l].name != base) {
+        let Some(j) = model.links[l].parent_joint else { break };
+        if model.joints[j].kind != JointKind::Fixed {
+            above.push(j + 1);
+        }
+        at = Some(model.joints[j].parent);
+    }
+    (above.first().copied().unwrap_or(0), above.get(1).copied().unwrap_or(0))
 }
 
 /// Ends and radius of a capsule that holds a shape.
@@ -112,6 +159,37 @@ pub fn tcp_pose(robot: &Robot, q: &[f64]) -> Pose {
     robot.base * robot.linkage.tip_pose(&frames, 0)
 }
 
+/// One capsule of an arm, wherever it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArmPart<'r> {
+    /// Name of the link.
+    pub link: &'r str,
+    /// Radius, m.
+    pub radius: f64,
+    /// True for the wrist and what it carries: what one of the last three joints before the TCP moves
+    /// and what is never farther than 0.32 m from the TCP.
+    pub is_wrist: bool,
+}
+
+/// The capsules of an arm, in the order of [`arm_places`].
+pub fn arm_parts(robot: &Robot) -> Vec<ArmPart<'_>> {
+    let parts = robot.parts.iter();
+    parts.map(|p| ArmPart { link: &p.link, radius: p.radius, is_wrist: p.is_wrist }).collect()
+}
+
+/// Ends of the capsules' axes in the world (m) in each of some postures.
+pub fn arm_places<'q>(
+    robot: &Robot,
+    postures: impl IntoIterator<Item = &'q Vec<f64>>,
+) -> Vec<Vec<[Vec3; 2]>> {
+    let mut placer = Placer::new(robot);
+    let place = |q: &Vec<f64>| {
+        placer.place(q);
+        placer.ends.clone()
+    };
+    postures.into_iter().map(place).collect()
+}
+
 /// Poses of the TCP in the world along a joint path (K postures of n values).
 pub fn tcp_poses(robot: &Robot, q: &[Vec<f64>]) -> Vec<Pose> {
     q.iter().map(|q| tcp_pose(robot, q)).collect()
@@ -123,6 +201,62 @@ fn skeleton_frames(robot: &Robot, q: &[f64]) -> Frames {
     let mut frames = Frames::default();
     robot.skeleton.forward(&all, &mut frames);
     frames
+}
+
+/// Finds the wrist of a robot whose parts are known.
+pub(super) fn mark_wrist(robot: &mut Robot) {
+    let mut farthest = vec![0.0f64; robot.parts.len()];
+    let mut placer = Placer::new(robot);
+    for sample in 0..WRIST_SAMPLES {
+        let q = random_posture(&robot.limits, 0, WRIST_BLOCK, sample);
+        placer.place(&q);
+        let tcp = tcp_pose(robot, &q).translation.vector;
+        for (far, ends) in farthest.iter_mut().zip(&placer.ends) {
+            *far = ends.iter().map(|e| (e - tcp).norm()).fold(*far, f64::max);
+        }
+    }
+    for (part, far) in robot.parts.iter_mut().zip(farthest) {
+        part.is_wrist = part.is_late && far <= WRIST_REACH_M;
+    }
+}
+
+/// Scratch that places the capsules of one robot in many postures.
+#[derive(Debug)]
+pub(super) struct Placer<'r> {
+    pub(super) robot: &'r Robot,
+    q: Vec<f64>,
+    frames: Frames,
+    /// Ends of the axes in the world, m, as many as `robot.parts`.
+    pub(super) ends: Vec<[Vec3; 2]>,
+}
+
+impl<'r> Placer<'r> {
+    pub(super) fn new(robot: &'r Robot) -> Self {
+        let mut q = vec![0.0; robot.dof()];
+        q.extend(&robot.held);
+        let ends = vec![[Vec3::zeros(); 2]; robot.parts.len()];
+        Self { robot, q, frames: Frames::default(), ends }
+    }
+
+    pub(super) fn place(&mut self, q: &[f64]) {
+        let robot = self.robot;
+        self.q[..robot.dof()].copy_from_slice(&q[..robot.dof()]);
+        robot.skeleton.forward(&self.q, &mut self.frames);
+        let turn = robot.base.rotation.to_rotation_matrix();
+        let mut last: Option<(usize, Vec3, Matrix3<f64>)> = None;
+        for (part, ends) in robot.parts.iter().zip(&mut self.ends) {
+            // Capsules of one link follow each other.
+            let (p, r) = match last {
+                Some((tip, p, r)) if tip == part.tip => (p, r),
+                _ => {
+                    let (p, r) = robot.skeleton.tip_frame(&self.frames, part.tip);
+                    (turn * p + robot.base.translation.vector, turn.matrix() * r)
+                }
+            };
+            last = Some((part.tip, p, r));
+            *ends = [p + r * part.a, p + r * part.b];
+        }
+    }
 }
 
 /// Points of a stick figure in the world, m: base, the n joints, TCP.

@@ -7,7 +7,8 @@
 //! A mean speed above the limit proves that the limit is broken: the joint had that speed somewhere
 //! in the interval.
 
-use super::body::min_singular_value;
+use super::body::{Nearest, min_singular_value};
+use super::collide::SelfNearest;
 use super::description::Robot;
 use std::fmt;
 use thiserror::Error;
@@ -50,6 +51,13 @@ pub struct RobotMotion {
     /// How hard the motion is for the arm: the largest of the speed's share of its limit and the
     /// position's share of its half range (0 in the middle, 1 at a limit), over joints and time.
     pub strain: f64,
+    /// What it lacks of the wanted distance from singular postures, obstacles and the arm itself; 0 is
+    /// enough of all. Set by following, as the two below.
+    pub lacking: f64,
+    /// Where the arm is nearest to itself; none when nothing is checked.
+    pub self_nearest: Option<Box<SelfNearest>>,
+    /// Where it is nearest to an obstacle; none without obstacles.
+    pub obstacle_nearest: Option<Box<Nearest>>,
 }
 
 /// Which limit.
@@ -262,6 +270,9 @@ pub(super) fn assess(robot: &Robot, time_s: &[f64], q: Vec<Vec<f64>>) -> PathChe
         min_singular_time_s: singular.1,
         max_residual_m: 0.0,
         max_residual_rad: 0.0,
+        lacking: 0.0,
+        self_nearest: None,
+        obstacle_nearest: None,
         q,
     };
     PathCheck { motion, violations: violations.into_iter().map(|(_, v)| v).collect() }

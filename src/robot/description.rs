@@ -1,6 +1,7 @@
 //! What is known about a robot arm: kinematics, limits, place in the world and shape.
 
-use super::body::Part;
+use super::body::{Part, mark_wrist};
+use super::collide::SelfPairs;
 use crate::files::{InputError, read_text, suggest};
 use crate::kinematics::{Linkage, LinkageError, Model, Tip, parse_urdf};
 use crate::math::Pose;
@@ -87,6 +88,7 @@ pub struct Robot {
     /// Positions of the skeleton's joints that are not between base and TCP.
     pub(super) held: Vec<f64>,
     pub(super) parts: Vec<Part>,
+    pub(super) self_pairs: SelfPairs,
     pub(super) file: PathBuf,
 }
 
@@ -135,7 +137,7 @@ impl Robot {
         let mut notes = model.warnings.clone();
         notes.extend(linkage.warnings.iter().cloned());
         notes.extend(shapeless_note(&model, base, &parts));
-        Ok(Self {
+        let mut robot = Self {
             name: model.name.clone(),
             linkage,
             limits,
@@ -147,8 +149,12 @@ impl Robot {
             skeleton,
             held,
             parts,
+            self_pairs: SelfPairs::default(),
             file: path.to_owned(),
-        })
+        };
+        robot.self_pairs = SelfPairs::find(&robot);
+        mark_wrist(&mut robot);
+        Ok(robot)
     }
 
     /// Number of joints, n.

@@ -2,17 +2,20 @@
 //!
 //! An arm reaches a pose in several ways, and which one it starts in decides whether it can finish.
 //! So the path is tracked from several distinct start postures, and the motion with the least
-//! strain among those that keep all limits is taken.
+//! strain and the most room among those that keep all limits is taken. A poor one is tried again in
+//! the null space, and on request by the global choice of [`super::resolve`].
 
 use super::body::min_singular_value;
 use super::check::{PathCheck, RobotMotion, assess, check_times};
+use super::clearance::Obstacle;
+use super::collide::random_posture;
 use super::description::Robot;
+use super::ease::Ease;
+use super::grade::Judge;
 use super::ik::{Residual, Solver};
-use super::track::{Track, track};
+use super::resolve::resolve;
+use super::track::{Track, track, track_eased};
 use crate::math::Pose;
-use crate::math::stream::{Purpose, stream};
-use rand::RngExt;
-use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 /// Postures that differ by less in every joint count as the same start, rad or m.
@@ -21,6 +24,8 @@ const DISTINCT: f64 = 0.3;
 const NEARLY_SINGULAR: f64 = 0.005;
 /// Distance to a limit at which a joint is said to stand there, rad or m.
 const AT_LIMIT: f64 = 1e-6;
+/// Start postures that are tried in the null space when none was good.
+const EASED_STARTS: usize = 2;
 /// Steps of inverse kinematics from a far start.
 const COLD_STEPS: usize = 120;
 
@@ -37,11 +42,24 @@ pub struct FollowSettings {
     pub tolerance_m: f64,
     /// Tolerance of orientations, rad.
     pub tolerance_rad: f64,
+    /// What the links must not touch: kept away from where the choice among motions allows it.
+    pub obstacles: Vec<(String, Obstacle)>,
+    /// Where tracking fails or ends poorly, choose branch and redundancy globally. Takes some tens of
+    /// milliseconds.
+    pub is_thorough: bool,
 }
 
 impl Default for FollowSettings {
     fn default() -> Self {
-        Self { seed: 0, restarts: 24, starts: 8, tolerance_m: 1e-8, tolerance_rad: 1e-8 }
+        Self {
+            seed: 0,
+            restarts: 24,
+            starts: 8,
+            tolerance_m: 1e-8,
+            tolerance_rad: 1e-8,
+            obstacles: Vec::new(),
+            is_thorough: false,
+        }
     }
 }
 
@@ -110,27 +128,17 @@ pub fn start_postures(robot: &Robot, pose: &Pose, settings: &FollowSettings) -> 
     starts
 }
 
-/// Home, or a random posture within the limits; joints without end turn within half a turn.
+/// Home, or a random posture within the limits.
 fn first_guess(robot: &Robot, seed: u64, restart: u32) -> Vec<f64> {
-    if restart == 0 {
-        return robot.home.clone();
-    }
-    let mut rng = stream(seed, Purpose::RobotIk, 0, restart);
-    let joints = robot.limits.lower.iter().zip(&robot.limits.upper);
-    joints
-        .map(|(&lower, &upper)| {
-            // Beyond half a turn the same poses come again.
-            let (low, high) = (lower.max(-PI).min(upper), upper.min(PI).max(lower));
-            low + (high - low) * rng.random::<f64>()
-        })
-        .collect()
+    if restart == 0 { robot.home.clone() } else { random_posture(&robot.limits, seed, 0, restart) }
 }
 
 /// Follows a path of the TCP: K poses in the world at K times (s).
 ///
 /// Each knot is reached within the tolerances; position, speed and acceleration limits hold (see
-/// [`super::check_joint_path`] for how they are checked). Among the start postures that allow this,
-/// the motion with the least [`RobotMotion::strain`] is returned. Deterministic: the same input and
+/// [`super::check_joint_path`] for how they are checked), and the arm does not touch itself. Among the
+/// motions that allow this, the one with the least strain and the most room is returned; an obstacle
+/// that it touches all the same is in [`RobotMotion::obstacle_nearest`]. Deterministic: the same input and
 /// seed give the same result. Never panics: a pose that is not finite is infeasible.
 pub fn follow(robot: &Robot, time_s: &[f64], poses: &[Pose], settings: &FollowSettings) -> Follow {
     if let Some(refusal) = malformed(time_s, poses) {
@@ -158,46 +166,137 @@ pub fn follow_from(
         return refusal;
     }
     let targets: Vec<Pose> = poses.iter().map(|p| robot.base.inv_mul(p)).collect();
-    let tolerance = (settings.tolerance_m, settings.tolerance_rad);
-    let mut solver = Solver::new(robot, tolerance.0, tolerance.1);
-    let mut best: Option<RobotMotion> = None;
-    let mut too_hard: Option<PathCheck> = None;
-    let mut farthest: Option<Track> = None;
+    let mut search = Search::new(robot, (time_s, &targets), settings);
     let is_usable = |s: &&Vec<f64>| s.len() == robot.dof() && s.iter().all(|q| q.is_finite());
-    for start in starts.iter().filter(is_usable) {
-        // Centring the joints costs speed: where that is too much, once more without.
-        for centring in [1.0, 0.0] {
-            solver.centring = centring;
-            let tracked = track(&mut solver, &targets, start, tolerance);
-            if tracked.stop.is_some() {
-                if farthest.as_ref().is_none_or(|f| tracked.q.len() > f.q.len()) {
-                    farthest = Some(tracked);
-                }
-                break;
-            }
-            let mut check = assess(robot, time_s, tracked.q);
-            check.motion.max_residual_m = tracked.worst.m;
-            check.motion.max_residual_rad = tracked.worst.rad;
-            if check.violations.is_empty() {
-                if best.as_ref().is_none_or(|b| check.motion.strain < b.strain) {
-                    best = Some(check.motion);
-                }
-                break;
-            }
-            if too_hard.as_ref().is_none_or(|c| check.motion.strain < c.motion.strain) {
-                too_hard = Some(check);
-            }
+    let starts: Vec<&Vec<f64>> = starts.iter().filter(is_usable).collect();
+    for start in &starts {
+        search.track(start);
+    }
+    if search.is_poor() {
+        search.ease(&starts);
+    }
+    if search.is_poor() && settings.is_thorough {
+        let starts: Vec<Vec<f64>> = starts.into_iter().cloned().collect();
+        let found = resolve(robot, time_s, &targets, &starts, settings);
+        if let Some(motion) = found {
+            search.note(motion);
         }
     }
-    match (best, too_hard, farthest) {
+    match (search.best, search.touching, search.too_hard, search.farthest) {
         (Some(motion), ..) => Follow::Feasible(motion),
-        (None, Some(check), _) => too_hard_because(robot, time_s, &check),
-        (None, None, Some(track)) => stopped_because(robot, time_s, poses, &track, settings),
-        (None, None, None) => {
+        (None, Some(motion), ..) => touches_itself(&motion),
+        (None, None, Some(check), _) => too_hard_because(robot, time_s, &check),
+        (None, None, None, Some(track)) => stopped_because(robot, time_s, poses, &track, settings),
+        (None, None, None, None) => {
             let reason = "no start posture with one number per joint is given".to_owned();
             Follow::Infeasible { reason, time_s: time_s[0] }
         }
     }
+}
+
+/// The motions found for one path so far.
+struct Search<'r> {
+    robot: &'r Robot,
+    time_s: &'r [f64],
+    /// In the base link's frame.
+    targets: &'r [Pose],
+    settings: &'r FollowSettings,
+    solver: Solver<'r>,
+    judge: Judge<'r>,
+    /// Keeps the limits.
+    best: Option<RobotMotion>,
+    /// Keeps the limits, but touches itself.
+    touching: Option<RobotMotion>,
+    /// Breaks limits.
+    too_hard: Option<PathCheck>,
+    /// Stops on the way.
+    farthest: Option<Track>,
+}
+
+impl<'r> Search<'r> {
+    fn new(
+        robot: &'r Robot,
+        (time_s, targets): (&'r [f64], &'r [Pose]),
+        settings: &'r FollowSettings,
+    ) -> Self {
+        let solver = Solver::new(robot, settings.tolerance_m, settings.tolerance_rad);
+        let judge = Judge::new(robot, &settings.obstacles);
+        let (best, touching, too_hard, farthest) = (None, None, None, None);
+        Self { robot, time_s, targets, settings, solver, judge, best, touching, too_hard, farthest }
+    }
+
+    fn tolerance(&self) -> (f64, f64) {
+        (self.settings.tolerance_m, self.settings.tolerance_rad)
+    }
+
+    /// Nothing, or nothing with room enough.
+    fn is_poor(&self) -> bool {
+        self.best.as_ref().is_none_or(RobotMotion::is_poor)
+    }
+
+    fn track(&mut self, start: &[f64]) {
+        // Centring the joints costs speed: where that is too much, once more without.
+        for centring in [1.0, 0.0] {
+            self.solver.centring = centring;
+            let tolerance = self.tolerance();
+            let tracked = track(&mut self.solver, self.targets, start, tolerance);
+            if self.take(tracked) {
+                return;
+            }
+        }
+    }
+
+    /// Once more in the null space, from the start of what was found, else from the first starts.
+    fn ease(&mut self, starts: &[&Vec<f64>]) {
+        let Some(mut ease) = Ease::new(self.robot, &self.settings.obstacles) else { return };
+        let known = self.best.as_ref().or(self.touching.as_ref()).map(|m| m.q[0].clone());
+        let first = starts.iter().take(EASED_STARTS).map(|s| (*s).clone());
+        let from: Vec<Vec<f64>> = known.map_or_else(|| first.collect(), |q| vec![q]);
+        for start in from {
+            let tolerance = self.tolerance();
+            self.solver.centring = 0.0;
+            let at = (self.time_s, self.targets);
+            let tracked = track_eased(&mut self.solver, at, &start, tolerance, &mut ease);
+            self.take(tracked);
+        }
+    }
+
+    /// Whether another try from the same start is of no use.
+    fn take(&mut self, tracked: Track) -> bool {
+        if tracked.stop.is_some() {
+            if self.farthest.as_ref().is_none_or(|f| tracked.q.len() > f.q.len()) {
+                self.farthest = Some(tracked);
+            }
+            return true;
+        }
+        let mut check = assess(self.robot, self.time_s, tracked.q);
+        check.motion.max_residual_m = tracked.worst.m;
+        check.motion.max_residual_rad = tracked.worst.rad;
+        if check.violations.is_empty() {
+            self.judge.grade(self.time_s, &mut check.motion);
+            self.note(check.motion);
+            return true;
+        }
+        if self.too_hard.as_ref().is_none_or(|c| check.motion.strain < c.motion.strain) {
+            self.too_hard = Some(check);
+        }
+        false
+    }
+
+    /// A motion that keeps the limits and is graded.
+    fn note(&mut self, motion: RobotMotion) {
+        let is_touching = motion.self_collision().is_some();
+        let slot = if is_touching { &mut self.touching } else { &mut self.best };
+        if slot.as_ref().is_none_or(|b| motion.cost() < b.cost()) {
+            *slot = Some(motion);
+        }
+    }
+}
+
+fn touches_itself(motion: &RobotMotion) -> Follow {
+    let time_s = motion.self_nearest.as_ref().map_or(0.0, |n| n.time_s);
+    let reason = motion.self_collision().unwrap_or_default();
+    Follow::Infeasible { reason, time_s }
 }
 
 fn is_finite(pose: &Pose) -> bool {

@@ -5,6 +5,7 @@ use super::*;
 use crate::math::Vec3;
 use crate::math::pose::pose_error;
 use nalgebra::UnitQuaternion;
+use std::f64::consts::PI;
 
 /// Smooth path from 0 to 1 with zero velocity and acceleration at both ends.
 fn min_jerk(s: f64) -> f64 {
@@ -153,4 +154,68 @@ fn starts_are_distinct_and_depend_on_the_seed_alone() {
     assert_eq!(starts.postures[0], robot.home);
     assert_eq!(starts, find(1));
     assert_ne!(starts, find(2));
+}
+
+/// A smooth movement of 8 s between the poses of two random postures.
+fn between_random(robot: &Robot, number: u32) -> (Vec<f64>, Vec<Pose>) {
+    let pose = |index: u32| tcp_pose(robot, &first_guess(robot, 5, index));
+    let (a, b) = (pose(2 * number + 1), pose(2 * number + 2));
+    let at = |k: i32| crate::math::pose::interpolate(&a, &b, min_jerk(f64::from(k) / 100.0));
+    ((0..=100).map(|k| 0.08 * f64::from(k)).collect(), (0..=100).map(at).collect())
+}
+
+#[test]
+fn the_global_choice_succeeds_where_tracking_from_every_start_fails() {
+    // Over the joints' speed, through the arm itself, and past a limit.
+    for (name, number, fault) in
+        [("panda", 1, "would accelerate"), ("panda", 22, "touch itself"), ("fr3", 3, "jump")]
+    {
+        let robot = Robot::preset(name).unwrap();
+        let path = between_random(&robot, number);
+        let (reason, _) = refusal(&robot, &path);
+        assert!(reason.contains(fault), "{name} {number}: {reason}");
+        let thorough = FollowSettings { is_thorough: true, ..FollowSettings::default() };
+        let followed = follow(&robot, &path.0, &path.1, &thorough);
+        let Follow::Feasible(motion) = followed else { panic!("{name} {number}: {followed:?}") };
+        // Judged by what did not find it.
+        let check = super::super::check_joint_path(&robot, &path.0, &motion.q).unwrap();
+        assert!(check.violations.is_empty(), "{:?}", check.violations);
+        for (own, wanted) in tcp_poses(&robot, &motion.q).iter().zip(&path.1) {
+            assert!(pose_error(own, wanted).norm() < 2e-8);
+        }
+        let near = super::super::self_clearance(&robot, &path.0, &motion.q).unwrap();
+        assert!(near.distance_m > 0.0, "{near:?}");
+        assert_eq!(follow(&robot, &path.0, &path.1, &thorough), Follow::Feasible(motion));
+    }
+}
+
+#[test]
+fn the_global_choice_invents_nothing() {
+    let robot = Robot::preset("panda").unwrap();
+    let thorough = FollowSettings { is_thorough: true, ..FollowSettings::default() };
+    let far = line(Vec3::new(0.5, 0.0, 0.4), Vec3::new(1.2, 0.0, 0.4), 4.0);
+    let followed = follow(&robot, &far.0, &far.1, &thorough);
+    assert!(matches!(followed, Follow::Infeasible { .. }), "{followed:?}");
+}
+
+#[test]
+fn an_arm_keeps_off_an_obstacle_that_another_motion_avoids() {
+    let robot = Robot::preset("panda").unwrap();
+    let path = line(Vec3::new(0.45, -0.2, 0.4), Vec3::new(0.45, 0.2, 0.4), 4.0);
+    let Follow::Feasible(free) = follow(&robot, &path.0, &path.1, &FollowSettings::default())
+    else {
+        panic!("it is free")
+    };
+    // A ball where the elbow of that motion is, half-way.
+    let elbow = super::super::stick(&robot, &free.q[50])[4];
+    let ball = Obstacle::Sphere { center: elbow + Vec3::z() * 0.08, radius: 0.06 };
+    let obstacles = vec![("ball".to_owned(), ball)];
+    let settings = FollowSettings { obstacles, is_thorough: true, ..FollowSettings::default() };
+    let mut before = free.clone();
+    super::super::measure_room(&robot, &path.0, &mut before, &settings.obstacles);
+    assert!(before.obstacle_nearest.unwrap().distance_m < 0.0);
+    let followed = follow(&robot, &path.0, &path.1, &settings);
+    let Follow::Feasible(motion) = followed else { panic!("{followed:?}") };
+    let near = motion.obstacle_nearest.unwrap();
+    assert!(near.distance_m > 0.0, "{near:?}");
 }

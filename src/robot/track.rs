@@ -1,6 +1,7 @@
 //! Following a sequence of poses from one start posture, knot by knot.
 
 use super::description::Robot;
+use super::ease::Ease;
 use super::ik::{Residual, Solver};
 use crate::math::Pose;
 use crate::math::pose::interpolate;
@@ -9,6 +10,9 @@ use crate::math::pose::interpolate;
 const STEPS: usize = 40;
 /// Tolerance of a traced pose, m and rad.
 const TRACE_TOLERANCE: f64 = 1e-8;
+/// How often the start posture is moved in its null space, as if for so long each, s.
+const START_PUSHES: usize = 40;
+const START_STEP_S: f64 = 0.1;
 /// Into how many pieces a knot that fails is divided, one try each.
 const PIECES: [u32; 2] = [4, 16];
 
@@ -30,6 +34,41 @@ pub(super) fn track(
     start: &[f64],
     tolerance: (f64, f64),
 ) -> Track {
+    track_moving(solver, targets, start, tolerance, |_, _| ())
+}
+
+/// The same in the null space of `ease`, at times (s).
+pub(super) fn track_eased(
+    solver: &mut Solver,
+    (time_s, targets): (&[f64], &[Pose]),
+    start: &[f64],
+    tolerance: (f64, f64),
+    ease: &mut Ease,
+) -> Track {
+    let mut q = start.to_vec();
+    for _ in 0..START_PUSHES {
+        let before = q.clone();
+        ease.push(&mut q, START_STEP_S);
+        if !solver.solve(&targets[0], &mut q, STEPS).is_within(tolerance.0, tolerance.1) {
+            q = before;
+            break;
+        }
+    }
+    let push = |k: usize, q: &mut [f64]| {
+        if k > 0 {
+            ease.push(q, time_s[k] - time_s[k - 1]);
+        }
+    };
+    track_moving(solver, targets, &q, tolerance, push)
+}
+
+fn track_moving(
+    solver: &mut Solver,
+    targets: &[Pose],
+    start: &[f64],
+    tolerance: (f64, f64),
+    mut push: impl FnMut(usize, &mut [f64]),
+) -> Track {
     let mut track = Track {
         q: Vec::with_capacity(targets.len()),
         worst: Residual { m: 0.0, rad: 0.0 },
@@ -38,6 +77,7 @@ pub(super) fn track(
     let mut q = start.to_vec();
     let is_there = |r: &Residual| r.is_within(tolerance.0, tolerance.1);
     for (k, target) in targets.iter().enumerate() {
+        push(k, &mut q);
         let from = q.clone();
         let mut residual = solver.solve(target, &mut q, STEPS);
         let mut nearest = q.clone();

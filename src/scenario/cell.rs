@@ -120,6 +120,49 @@ pub(super) fn resolve_limits(
     Ok((limits, assumed))
 }
 
+/// How near the robot may come to the person: a planning margin, not a safety function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PersonMargin {
+    /// Distance that is kept, m.
+    pub margin_m: f64,
+    /// Share of the repetitions in which it may be broken.
+    pub share: f64,
+}
+
+impl Default for PersonMargin {
+    fn default() -> Self {
+        Self { margin_m: 0.05, share: 0.05 }
+    }
+}
+
+/// The margin to the person; what is left out is assumed.
+pub(super) fn resolve_person_margin(
+    source: &Source,
+    file: &LimitsFile,
+    assumed: &mut Vec<String>,
+) -> Result<PersonMargin, InputError> {
+    let mut person = PersonMargin::default();
+    match &file.person_clearance_m {
+        Some(at) => {
+            person.margin_m = source.number(at, "limits.person_clearance_m", 0.0, 1.0)?;
+        }
+        None => assumed.push(format!(
+            "person_clearance_m = {} m (a planning margin, not a safety distance)",
+            person.margin_m
+        )),
+    }
+    match &file.person_clearance_share {
+        Some(at) => {
+            person.share = source.number(at, "limits.person_clearance_share", 0.0, 1.0)?;
+        }
+        None => assumed.push(format!(
+            "person_clearance_share = {} of the repetitions may come nearer",
+            person.share
+        )),
+    }
+    Ok(person)
+}
+
 pub(super) fn resolve_obstacle(
     source: &Source,
     at: &Spanned<ObstacleFile>,

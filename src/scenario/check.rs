@@ -1,7 +1,10 @@
 //! From the file as typed to a scenario with everything resolved: each refusal names key and remedy.
 
 use super::SCENARIO_SCHEMA;
-use super::cell::{resolve_grip, resolve_limits, resolve_obstacle, resolve_robot};
+use super::cell::{
+    PersonMargin, resolve_grip, resolve_limits, resolve_obstacle, resolve_person_margin,
+    resolve_robot,
+};
 use super::file::{ScenarioFile, TaskFile};
 use super::freedom::{Freedoms, resolve_free};
 use super::paths::{UserPath, read_user_path};
@@ -47,6 +50,8 @@ pub struct Scenario {
     pub duration_s: f64,
     /// Limits of the TCP.
     pub limits: PathLimits,
+    /// How near the robot may come to the person.
+    pub person_margin: PersonMargin,
     /// Limits that are defaults, in words.
     pub assumed_limits: Vec<String>,
     /// What the robot must not touch.
@@ -75,7 +80,9 @@ pub(super) fn resolve(
     }
     let mut warnings = Vec::new();
     let robot = resolve_robot(source, &file.robot)?;
-    let (limits, assumed_limits) = resolve_limits(source, &file.limits, file.workspace.as_ref())?;
+    let (limits, mut assumed_limits) =
+        resolve_limits(source, &file.limits, file.workspace.as_ref())?;
+    let person_margin = resolve_person_margin(source, &file.limits, &mut assumed_limits)?;
     let duration_s = source.number(&file.motion.duration_s, "motion.duration_s", 0.05, 600.0)?;
     let (start, goal) = (source.pose(&file.start, "start")?, source.pose(&file.goal, "goal")?);
     let score_profile = resolve_profile(source, file.score_profile.as_ref())?;
@@ -126,6 +133,7 @@ pub(super) fn resolve(
         goal,
         duration_s,
         limits,
+        person_margin,
         assumed_limits,
         obstacles: obstacles?,
         task,

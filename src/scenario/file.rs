@@ -94,9 +94,10 @@ pub(super) struct FreeFile {
     pub worker_facing_deg: Option<[f64; 2]>,
     /// Least and greatest duration, s.
     pub duration_s: Option<[f64; 2]>,
-    /// Least and greatest rest on the way, s, besides the duration.
+    /// Least and greatest rest at the middle of the way, besides the duration, s.
     pub dwell_s: Option<[f64; 2]>,
-    /// Largest turn of the hand out of its straight turning, in mid-path, deg.
+    /// How far the tool may turn on its way besides the turn from start to goal, deg.
+    #[schemars(range(min = 0.0, max = 90.0))]
     pub turn_on_the_way_deg: Option<f64>,
 }
 
@@ -277,6 +278,13 @@ pub(super) struct LimitsFile {
     /// Distance of the TCP from obstacles, m; default 0.03.
     #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
     pub clearance_m: Option<Spanned<f64>>,
+    /// Distance between robot and person, the coupled hand and forearm at the wrist excepted, m;
+    /// default 0.05.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
+    pub person_clearance_m: Option<Spanned<f64>>,
+    /// Share of the repetitions that may come nearer than that; default 0.05.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
+    pub person_clearance_share: Option<Spanned<f64>>,
     /// How far the path may be from the candidate it was made from, m; without it anywhere.
     #[schemars(with = "Option<f64>", range(min = 0.001, max = 10.0))]
     pub corridor_m: Option<Spanned<f64>>,

@@ -81,6 +81,8 @@ pub struct Variant {
     pub base: Pose,
     /// Floor point below the pelvis, m.
     pub at_m: [f64; 2],
+    /// Height of what the worker stands on, or by which a seat is raised, m.
+    pub floor_m: f64,
     /// Facing of the worker, rad about world z.
     pub facing: f64,
     /// Duration of the movement, s.
@@ -121,6 +123,7 @@ impl Scenario {
             grip: self.grip,
             base: self.robot.base,
             at_m: self.worker.at_m,
+            floor_m: 0.0,
             facing: self.worker.facing,
             duration_s: self.duration_s,
             // A rest that may be longer is at least as long as asked.

@@ -34,7 +34,7 @@ fn run(robot: &Robot, offset: Vec3, duration: f64) -> Followed {
 
 fn feasible(followed: Followed) -> (RobotMotion, usize) {
     match followed {
-        Followed::Feasible { motion, passes, .. } => (motion, passes),
+        Followed::Feasible { motion, passes, .. } => (*motion, passes),
         Followed::NoPath(refusal) | Followed::NoMotion { refusal, .. } => panic!("{refusal:?}"),
     }
 }

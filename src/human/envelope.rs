@@ -1,0 +1,343 @@
+//! How much room a body takes: capsules around its segments, for clearance between robot and person.
+//!
+//! Radii follow from the body's own masses and lengths: a limb is as thick as the cylinder of its mass
+//! between its joints, the trunk has one cross-section, two half circles with a rectangle between,
+//! that holds its mass. Density and the trunk's depth to breadth are assumed. Muscles bulge by up to
+//! about 10 mm beyond the mean, chest and belly by about 30 mm; clothes and hair are not included.
+
+use super::body::{Body, Stance};
+use super::side::Side;
+use super::skeleton::Skeleton;
+use crate::files::InputError;
+use crate::kinematics::{Frames, Linkage, Tip};
+use crate::math::{Pose, Vec3};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// Density of limbs and head, and of the trunk with its lungs, kg/m^3 (assumed).
+const LIMB_DENSITY: f64 = 1050.0;
+const TRUNK_DENSITY: f64 = 950.0;
+/// Depth of the trunk over its breadth (assumed).
+const TRUNK_DEPTH: f64 = 0.7;
+/// Share of the stature by which the trunk reaches below the hip joints (assumed).
+const BELOW_HIPS: f64 = 0.05;
+/// Share of the hand's length that a closed hand takes up (assumed).
+const CLOSED_HAND: f64 = 0.6;
+
+/// Angles of the legs of a seated body, rad: thighs level, shanks upright. Legs are not predicted.
+pub const SEATED_LEGS: [(&str, f64); 4] = [
+    ("jRightHip_Z", FRAC_PI_2),
+    ("jLeftHip_Z", FRAC_PI_2),
+    ("jRightKnee_Z", -FRAC_PI_2),
+    ("jLeftKnee_Z", -FRAC_PI_2),
+];
+
+/// One capsule of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyPart {
+    /// In words, such as "right forearm".
+    pub name: String,
+    /// Radius, m.
+    pub radius_m: f64,
+    /// True for hand and forearm of the side that holds on to the robot.
+    pub is_coupled: bool,
+    /// Tip of the linkage that is the segment's frame; none for the pelvis.
+    tip: Option<usize>,
+    /// Ends of the axis in that frame, m.
+    ends: [Vec3; 2],
+}
+
+/// The capsules of one body with one hand on the robot.
+#[derive(Debug, Clone)]
+pub struct Envelope {
+    linkage: Linkage,
+    parts: Vec<BodyPart>,
+    /// The joints that are not in the coupled chain: the other arm hanging, legs as the stance says.
+    rest: Vec<f64>,
+}
+
+/// Scratch for placing an envelope.
+#[derive(Debug, Clone, Default)]
+pub struct EnvelopeScratch {
+    q: Vec<f64>,
+    frames: Frames,
+}
+
+impl Envelope {
+    /// For a body whose hand of `side` holds on to the robot.
+    ///
+    /// # Errors
+    /// Never for a body that loaded.
+    pub fn new(body: &Body, side: Side, stance: Stance) -> Result<Self, InputError> {
+        let segments = Segments::new(body)?;
+        let mut names = vec![side.grip().to_owned()];
+        let mut parts = Vec::new();
+        for sketch in segments.sketches(side) {
+            let tip = (sketch.segment != "Pelvis").then(|| {
+                names.iter().position(|n| *n == sketch.segment).unwrap_or_else(|| {
+                    names.push(sketch.segment.clone());
+                    names.len() - 1
+                })
+            });
+            let Sketch { name, radius_m, is_coupled, ends, .. } = sketch;
+            parts.push(BodyPart { name, radius_m, is_coupled, tip, ends });
+        }
+        let tips: Vec<Tip> = names.iter().map(|n| Tip::link(n)).collect();
+        let linkage = Linkage::new(&body.model, "Pelvis", &tips)
+            .map_err(|e| InputError::new(&body.name, format!("is no ergopath body: {e}")))?;
+        let coupled = body.arm(side)?.dof();
+        let angle = |name: &str| {
+            let (pronation, sign) = match side {
+                Side::Right => ("jLeftElbow_Y", -1.0),
+                Side::Left => ("jRightElbow_Y", 1.0),
+            };
+            let seated = matches!(stance, Stance::Seated { .. });
+            let leg = SEATED_LEGS.iter().find(|(n, _)| seated && *n == name);
+            if name == pronation { sign * FRAC_PI_2 } else { leg.map_or(0.0, |(_, a)| *a) }
+        };
+        let rest = linkage.joints()[coupled..].iter().map(|j| angle(&j.name)).collect();
+        Ok(Self { linkage, parts, rest })
+    }
+
+    /// The capsules, in the order of [`Envelope::place`].
+    pub fn parts(&self) -> &[BodyPart] {
+        &self.parts
+    }
+
+    /// Ends of the capsules' axes in the world (m), for a pelvis there and the joints of the coupled
+    /// chain (rad).
+    ///
+    /// # Panics
+    /// When `q` has not as many values as the coupled chain has joints.
+    pub fn place(
+        &self,
+        pelvis: &Pose,
+        q: &[f64],
+        scratch: &mut EnvelopeScratch,
+        ends: &mut Vec<[Vec3; 2]>,
+    ) {
+        scratch.q.clear();
+        scratch.q.extend_from_slice(q);
+        scratch.q.extend_from_slice(&self.rest);
+        self.linkage.forward(&scratch.q, &mut scratch.frames);
+        let turn = *pelvis.rotation.to_rotation_matrix().matrix();
+        let at = pelvis.translation.vector;
+        ends.clear();
+        ends.extend(self.parts.iter().map(|part| {
+            let (p, r) = match part.tip {
+                Some(tip) => {
+                    let (p, r) = self.linkage.tip_frame(&scratch.frames, tip);
+                    (at + turn * p, turn * r)
+                }
+                None => (at, turn),
+            };
+            part.ends.map(|x| p + r * x)
+        }));
+    }
+}
+
+/// One capsule before it is bound to a linkage.
+struct Sketch {
+    name: String,
+    segment: String,
+    ends: [Vec3; 2],
+    radius_m: f64,
+    is_coupled: bool,
+}
+
+/// Where segments are on the upright body, and what they weigh.
+struct Segments<'a> {
+    body: &'a Body,
+    skeleton: Skeleton,
+}
+
+impl<'a> Segments<'a> {
+    fn new(body: &'a Body) -> Result<Self, InputError> {
+        Ok(Self { body, skeleton: Skeleton::new(body, Side::Right, true)? })
+    }
+
+    /// Origins of segments in the pelvis frame; all frames are parallel there.
+    fn at(&self, name: &str) -> Vec3 {
+        let posed = self.skeleton.pose(&vec![0.0; self.skeleton.dof()]);
+        posed.segment(name).translation.vector
+    }
+
+    fn mass(&self, name: &str) -> f64 {
+        let link = self.body.model.links.iter().find(|l| l.name == name);
+        link.map_or(0.0, |l| l.mass_kg)
+    }
+
+    /// A limb from its joint along `axis`.
+    fn limb(&self, name: String, segment: String, axis: Vec3, is_coupled: bool) -> Sketch {
+        let volume = self.mass(&segment) / LIMB_DENSITY;
+        let radius_m = (volume / (PI * axis.norm().max(0.02))).sqrt();
+        Sketch { name, segment, ends: [Vec3::zeros(), axis], radius_m, is_coupled }
+    }
+
+    fn sketches(&self, coupled: Side) -> Vec<Sketch> {
+        let mut all = self.trunk();
+        all.push(self.limb("neck".into(), "Neck".into(), self.at("Head") - self.at("Neck"), false));
+        all.push(self.head());
+        for side in [Side::Right, Side::Left] {
+            let prefix = side.prefix();
+            let low = prefix.to_lowercase();
+            let of = |segment: &str| format!("{prefix}{segment}");
+            let way = |from: &str, to: &str| self.at(&of(to)) - self.at(&of(from));
+            let is_coupled = side == coupled;
+            let hand = Vec3::new(0.0, -CLOSED_HAND * self.body.hand_length_m, 0.0);
+            all.extend([
+                self.limb(
+                    format!("{low} upper arm"),
+                    of("UpperArm"),
+                    way("UpperArm", "ForeArm"),
+                    false,
+                ),
+                self.limb(
+                    format!("{low} forearm"),
+                    of("ForeArm"),
+                    way("ForeArm", "Hand"),
+                    is_coupled,
+                ),
+                self.limb(format!("{low} hand"), of("Hand"), hand, is_coupled),
+                self.limb(
+                    format!("{low} thigh"),
+                    of("UpperLeg"),
+                    way("UpperLeg", "LowerLeg"),
+                    false,
+                ),
+                self.limb(format!("{low} shank"), of("LowerLeg"), way("LowerLeg", "Foot"), false),
+                self.limb(format!("{low} foot"), of("Foot"), way("Foot", "Toe"), false),
+            ]);
+        }
+        all
+    }
+
+    /// A ball-ended head from the joint to the crown that holds its mass.
+    fn head(&self) -> Sketch {
+        let crown = self.body.size.stature_m - self.body.standing_pelvis_height_m;
+        let length = crown - self.at("Head").y;
+        let volume = self.mass("Head") / LIMB_DENSITY;
+        let held = |r: f64| PI * r * r * (length - 2.0 * r) + 4.0 / 3.0 * PI * r.powi(3);
+        let (mut low, mut high) = (0.0, 0.5 * length);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if held(middle) < volume { low = middle } else { high = middle }
+        }
+        let ends = [low, length - low].map(|y| Vec3::new(0.0, y, 0.0));
+        let (name, segment) = ("head".to_owned(), "Head".to_owned());
+        Sketch { name, segment, ends, radius_m: low, is_coupled: false }
+    }
+
+    /// Pelvis to chest: pairs of capsules side by side.
+    fn trunk(&self) -> Vec<Sketch> {
+        let masses = ["Pelvis", "L5", "L3", "T12", "T8", "RightShoulder", "LeftShoulder"];
+        let mass: f64 = masses.iter().map(|m| self.mass(m)).sum();
+        let length = self.at("Neck").y + BELOW_HIPS * self.body.size.stature_m;
+        let area = mass / TRUNK_DENSITY / length;
+        // pi d^2 / 4 + d (b - d), with b = d / ratio.
+        let depth = (area / (FRAC_PI_4 + 1.0 / TRUNK_DEPTH - 1.0)).sqrt();
+        let (radius_m, aside) = (0.5 * depth, 0.5 * depth * (1.0 / TRUNK_DEPTH - 1.0));
+        let y = |name: &str| self.at(name).y;
+        let top = y("Neck") - y("T8") - 0.5 * radius_m;
+        let pieces = [
+            ("pelvis", "Pelvis", radius_m - BELOW_HIPS * self.body.size.stature_m, y("L5")),
+            ("abdomen", "L3", y("L5") - y("L3"), y("T12") - y("L3")),
+            ("lower chest", "T12", 0.0, y("T8") - y("T12")),
+            ("chest", "T8", 0.0, top),
+        ];
+        let both = |(name, segment, low, high): (&str, &str, f64, f64)| {
+            [aside, -aside].map(|z| Sketch {
+                name: name.to_owned(),
+                segment: segment.to_owned(),
+                ends: [Vec3::new(0.0, low.min(high), z), Vec3::new(0.0, high, z)],
+                radius_m,
+                is_coupled: false,
+            })
+        };
+        pieces.into_iter().flat_map(both).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn standing(name: &str) -> (Body, Envelope, Vec<[Vec3; 2]>) {
+        let body = Body::load(name, std::path::Path::new(".")).unwrap();
+        let stance = Stance::Standing { shoe_m: 0.03 };
+        let envelope = Envelope::new(&body, Side::Right, stance).unwrap();
+        let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
+        let mut ends = Vec::new();
+        let q = vec![0.0; body.arm(Side::Right).unwrap().dof()];
+        envelope.place(&pelvis, &q, &mut EnvelopeScratch::default(), &mut ends);
+        (body, envelope, ends)
+    }
+
+    #[test]
+    fn is_as_large_as_the_person() {
+        for (name, size) in super::super::PRESETS {
+            let (_, envelope, ends) = standing(name);
+            let reach = |axis: usize, sign: f64| {
+                let of = |(p, e): (&BodyPart, &[Vec3; 2])| {
+                    p.radius_m + (sign * e[0][axis]).max(sign * e[1][axis])
+                };
+                envelope.parts().iter().zip(&ends).map(of).fold(f64::NEG_INFINITY, f64::max)
+            };
+            // Crown and soles.
+            assert!((reach(2, 1.0) - size.stature_m - 0.03).abs() < 0.01, "{name}");
+            assert!(reach(2, -1.0).abs() < 0.06, "{name}: {}", reach(2, -1.0));
+            // Across the upper arms (bideltoid breadth is about 0.28 of stature), all but the feet
+            // within the depth of a chest.
+            let across = reach(1, 1.0) + reach(1, -1.0);
+            assert!((0.24..0.34).contains(&(across / size.stature_m)), "{name}: {across}");
+            let radius = |part: &str| {
+                envelope.parts().iter().find(|p| p.name == part).unwrap().radius_m / size.stature_m
+            };
+            for (part, low, high) in [
+                ("chest", 0.055, 0.08),
+                ("head", 0.04, 0.06),
+                ("right forearm", 0.018, 0.026),
+                ("left upper arm", 0.022, 0.032),
+                ("left thigh", 0.04, 0.06),
+            ] {
+                assert!((low..high).contains(&radius(part)), "{name} {part}: {}", radius(part));
+            }
+        }
+    }
+
+    #[test]
+    fn hand_and_forearm_of_one_side_are_coupled() {
+        let (_, envelope, _) = standing("male_p50");
+        let coupled: Vec<&str> =
+            envelope.parts().iter().filter(|p| p.is_coupled).map(|p| p.name.as_str()).collect();
+        assert_eq!(coupled, ["right forearm", "right hand"]);
+    }
+
+    #[test]
+    fn capsules_follow_the_posture() {
+        let (body, envelope, before) = standing("male_p50");
+        let arm = body.arm(Side::Right).unwrap();
+        let mut q = vec![0.0; arm.dof()];
+        let column = arm.joints().iter().position(|j| j.name == "jRightShoulder_Z").unwrap();
+        q[column] = FRAC_PI_2;
+        let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, Stance::Standing { shoe_m: 0.03 });
+        let mut after = Vec::new();
+        envelope.place(&pelvis, &q, &mut EnvelopeScratch::default(), &mut after);
+        for ((part, a), b) in envelope.parts().iter().zip(&before).zip(&after) {
+            let moved = (a[1] - b[1]).norm();
+            let is_arm = part.name.starts_with("right") && part.name.contains("arm")
+                || part.name == "right hand";
+            assert_eq!(moved > 0.1, is_arm, "{}: {moved}", part.name);
+        }
+        // Seated, the knees are as far forward as the thighs are long.
+        let seated = Envelope::new(&body, Side::Right, Stance::Seated { seat_height_m: 0.45 });
+        let mut ends = Vec::new();
+        seated.unwrap().place(
+            &pelvis,
+            &vec![0.0; arm.dof()],
+            &mut EnvelopeScratch::default(),
+            &mut ends,
+        );
+        let thigh = envelope.parts().iter().position(|p| p.name == "left thigh").unwrap();
+        assert!((ends[thigh][1] - ends[thigh][0]).x > 0.3);
+    }
+}

@@ -1,0 +1,188 @@
+//! What follows when the robot comes too near to people: less value in the search, refusal in the
+//! selection and by the report, and how much farther apart robot and person would have to be.
+
+use super::near::Care;
+use super::objective::Figures;
+use super::pipeline::{Environment, SELECTION_BLOCK};
+use super::prepare::Prepared;
+use super::result::{BodyScores, CandidateResult, Status, Verdict};
+use super::space::Space;
+use crate::math::Vec3;
+use crate::math::stats::quantile;
+use crate::path::Change;
+use crate::scenario::{PersonMargin, Variant};
+
+/// Standard deviations by which few people must exceed the share before a path is refused early.
+const SURELY: f64 = 2.33;
+/// Least margin by which a shortfall is measured, m.
+const LEAST_MARGIN_M: f64 = 0.01;
+/// Weight of the share above the allowed one, in units of the objective; more than paths differ by.
+const CROWDED: f64 = 5.0;
+/// Words by which the refusal is known.
+const TOO_NEAR: &str = "the robot comes nearer than";
+/// Distances by which base and worker are tried farther apart, m.
+const TRIED_M: [f64; 5] = [0.05, 0.1, 0.15, 0.2, 0.3];
+
+/// What too little distance adds to the objective in the search: for a body, its figures.
+pub(super) fn crowding(figures: &Figures, margin: &PersonMargin) -> f64 {
+    let d = &figures.near_m;
+    if d.is_empty() {
+        return 0.0;
+    }
+    let scale = margin.margin_m.max(LEAST_MARGIN_M);
+    let count = d.len() as f64;
+    let below = d.iter().filter(|d| **d < margin.margin_m).count() as f64 / count;
+    let missing = d.iter().map(|d| ((margin.margin_m - d) / scale).max(0.0)).sum::<f64>() / count;
+    if below > margin.share { CROWDED * (below - margin.share) + missing } else { 0.0 }
+}
+
+impl Prepared {
+    /// Refuses a path on which too many of the selection's people come too near. `is_all`: these are
+    /// all of them; before that only a clear excess counts.
+    pub(super) fn refuse_if_too_near(
+        &mut self,
+        bodies: &[&str],
+        figures: &[Figures],
+        (margin, is_all): (&PersonMargin, bool),
+    ) {
+        for (body, f) in bodies.iter().zip(figures).filter(|(_, f)| !f.near_m.is_empty()) {
+            let count = f.near_m.len() as f64;
+            let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64 / count;
+            let spread = (margin.share * (1.0 - margin.share) / count).sqrt();
+            let slack = if is_all { 0.0 } else { SURELY * spread };
+            if below > margin.share + slack {
+                let p05 = quantile(&f.near_m, 0.05);
+                self.severity = (margin.margin_m - p05).max(0.0);
+                let what = f.nearest.as_ref().map_or("", |n| n.1.as_str());
+                self.refuse_person(too_near((body, what), below, p05, margin));
+                return;
+            }
+        }
+    }
+
+    /// Refused for the distance to a person; the user's own path is only marked.
+    fn refuse_person(&mut self, reason: String) {
+        match &mut self.status {
+            Status::Marked { violations } => violations.push(reason),
+            status if self.is_users => *status = Status::Marked { violations: vec![reason] },
+            status => *status = Status::Infeasible { stage: "person".to_owned(), reason },
+        }
+    }
+}
+
+impl CandidateResult {
+    /// Refuses (or marks, if it is the user's own) a path by the reported people.
+    pub(super) fn mark_if_too_near(&mut self, is_users: bool, margin: &PersonMargin) {
+        let broken = |b: &&BodyScores| b.person_clearance.as_ref().is_some_and(|c| !c.is_kept());
+        let Some(body) = self.bodies.iter().find(broken) else { return };
+        let Some(c) = &body.person_clearance else { return };
+        let what = format!("link `{}` and the {}", c.link, c.body_part);
+        let reason = too_near((&body.body, &what), c.share_below, c.p05_m, margin);
+        match &mut self.status {
+            // Said already, from the people of the selection.
+            Status::Marked { violations } if violations.iter().any(|v| v.contains(TOO_NEAR)) => {}
+            Status::Marked { violations } => violations.push(reason),
+            status if is_users => *status = Status::Marked { violations: vec![reason] },
+            status => *status = Status::Infeasible { stage: "person".to_owned(), reason },
+        }
+    }
+}
+
+impl Environment<'_> {
+    /// Puts into the verdict of a run in which all that people could walk came too near: where the
+    /// nearest to feasible is too near, and how much farther apart robot and person would have to be.
+    pub(super) fn explain_nearness(
+        &self,
+        refused: &[&Prepared],
+        space: &Space,
+        verdict: &mut Verdict,
+    ) {
+        let is_person = |p: &Prepared| matches!(&p.status, Status::Infeasible { stage, .. } if stage == "person");
+        let near = refused.iter().filter(|p| is_person(p));
+        let Some(closest) = near.min_by(|a, b| a.severity.total_cmp(&b.severity)) else { return };
+        let changes = self.farther_apart(space);
+        verdict.lines.push(format!(
+            "Nearest to feasible is `{}`: {:.0} mm of the margin to the person are missing.",
+            closest.id,
+            (1e3 * closest.severity).ceil()
+        ));
+        verdict.lines.push(if changes.is_empty() {
+            format!(
+                "Neither the robot's base nor the worker up to {:.0} mm farther away makes the straight path \
+                 feasible; another place or mounting of the robot, or a smaller person_clearance_m, may.",
+                1e3 * TRIED_M[TRIED_M.len() - 1]
+            )
+        } else {
+            let all: Vec<String> = changes.iter().map(ToString::to_string).collect();
+            format!("What would help the straight path, each alone and tried: {}.", all.join("; "))
+        });
+        verdict.changes.extend(changes);
+    }
+
+    /// The smallest of a few distances by which base or worker would have to move away.
+    fn farther_apart(&self, space: &Space) -> Vec<Change> {
+        let Some(straight) = space.named().into_iter().next() else { return Vec::new() };
+        let nominal = &straight.variant;
+        let [x, y] = nominal.at_m;
+        let base = nominal.base.translation.vector;
+        let apart = Vec3::new(base.x - x, base.y - y, 0.0);
+        let Some(away) = apart.try_normalize(1e-6) else { return Vec::new() };
+        let people = self.preset.rollouts_final.min(64);
+        let is_enough = |variant: &Variant| {
+            let prepared = self.workshop.candidate(&straight.candidate, variant);
+            if !prepared.is_walkable() {
+                return false;
+            }
+            let block = (self.seed, SELECTION_BLOCK);
+            let figures = self.figures(&prepared, block, 0..people, Care::Selection);
+            let margin = &self.scenario.person_margin;
+            figures.iter().all(|f| {
+                let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64;
+                let lost = f.lost.iter().sum::<f64>();
+                below <= margin.share * f.near_m.len() as f64 && 2.0 * lost < f.lost.len() as f64
+            })
+        };
+        let robot = TRIED_M.into_iter().find(|by| {
+            let mut moved = nominal.clone();
+            moved.base.translation.vector += away * *by;
+            is_enough(&moved)
+        });
+        let worker = TRIED_M.into_iter().find(|by| {
+            let at_m = [x - away.x * by, y - away.y * by];
+            is_enough(&Variant { at_m, ..nominal.clone() })
+        });
+        let change = |what, by: Option<f64>| {
+            by.map(|by_m| Change::MoveApart { what: std::borrow::Cow::Borrowed(what), by_m })
+        };
+        change("robot's base", robot).into_iter().chain(change("worker", worker)).collect()
+    }
+}
+
+/// The refusal in one sentence.
+fn too_near((body, what): (&str, &str), below: f64, p05_m: f64, margin: &PersonMargin) -> String {
+    format!(
+        "{TOO_NEAR} {:.0} mm to body `{body}` in {:.1} % of the repetitions, {:.1} % are \
+         allowed (nearest: {what}; 5th percentile of the distance {:.0} mm)",
+        1e3 * margin.margin_m,
+        100.0 * below,
+        100.0 * margin.share,
+        1e3 * p05_m
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_near_repetitions_refuse_a_path() {
+        let margin = PersonMargin { margin_m: 0.05, share: 0.05 };
+        let of = |near_m: Vec<f64>| Figures { near_m, ..Figures::default() };
+        let two_of_forty: Vec<f64> = (0..40).map(|i| if i < 2 { 0.03 } else { 0.2 }).collect();
+        assert_eq!(crowding(&of(two_of_forty), &margin), 0.0);
+        let four: Vec<f64> = (0..40).map(|i| if i < 4 { 0.03 } else { 0.2 }).collect();
+        // 5 (0.1 - 0.05) and a tenth of repetitions that miss 40 % of the margin.
+        assert!((crowding(&of(four), &margin) - 0.29).abs() < 1e-12);
+        assert_eq!(crowding(&of(Vec::new()), &margin), 0.0);
+    }
+}

@@ -1,0 +1,112 @@
+//! Sections of the page about what to look at and what to change: postures, recommendations.
+
+use super::page::figure;
+use super::view::{View, change, percent, score};
+use crate::planner::{Recommendation, Recommendations};
+use maud::{Markup, html};
+
+/// The postures that matter, with a table that says what the figure shows.
+pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
+    let moments = &view.result.moments;
+    let Some(png) = png else { return html! { p { "No path was scored." } } };
+    let names: Vec<&str> = moments[0].angles_deg.iter().map(|a| a.0.as_str()).collect();
+    html! {
+        (figure(
+            png,
+            "Stick figures from the side with their body angles; the table below holds the same numbers.",
+            "Postures along the best path, seen from the worker's right. Typical: the repetition whose joint angles \
+             are nearest to the mean of all at that moment. Held: trunk and arm move less than 7.5\u{b0} from \
+             where they were and slower than 10\u{b0}/s.",
+        ))
+        div.scroll tabindex="0" role="region" aria-label="Postures" {
+            table {
+                thead { tr {
+                    th scope="col" { "Angle (\u{b0})" }
+                    @for m in moments { th.n scope="col" { (m.what) span.small { (format!("{:.2} s", m.time_s)) } } }
+                } }
+                tbody {
+                    tr { th scope="row" { "RULA; REBA" } @for m in moments { td.n { (m.rula) "; " (m.reba) } } }
+                    @for (i, name) in names.iter().enumerate() {
+                        tr {
+                            th scope="row" { (name) }
+                            @for m in moments { td.n { (m.angles_deg.get(i).map_or_else(String::new, |a| format!("{:.0}", a.1))) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What to change, with its effect.
+pub(super) fn recommendations(view: &View) -> Markup {
+    let drivers = html! {
+        @if let Some(words) = driver_words(view) { p { (words) } }
+    };
+    let Some(found) = &view.result.recommendations else {
+        return html! { (drivers) p { "No path was scored." } };
+    };
+    html! {
+        (drivers)
+        @if found.clear.is_empty() {
+            p { (tried(found)) " None clearly lowers expected RULA by 0.02 or more." }
+        } @else {
+            p { (tried(found)) " These clearly lower expected RULA, the best step of each direction:" }
+            div.scroll tabindex="0" role="region" aria-label="Recommendations" {
+                table {
+                    thead { tr {
+                        th scope="col" { "Change" }
+                        th.n scope="col" { "Expected RULA" span.small { "95 % interval" } }
+                        th.n scope="col" { "then" }
+                        th.n scope="col" { "Expected REBA" }
+                        th.n scope="col" { "Time at action level 3+" }
+                    } }
+                    tbody { @for r in &found.clear { (row(r)) } }
+                }
+            }
+        }
+        p.note {
+            "Each change alone, with path and robot as they are and the same simulated people. The hand's reach is \
+             part of the figures; whether there is room for the change, and between robot and person, is for you to look at. Leave the \
+             planner free to choose (" code { "[free]" } ") to plan anew with several changes at once."
+        }
+    }
+}
+
+fn tried(found: &Recommendations) -> String {
+    format!(
+        "{} changes of the worker's place, the handle and the load were tried on the best path ({} people each).",
+        found.tried, found.people
+    )
+}
+
+fn row(r: &Recommendation) -> Markup {
+    html! {
+        tr {
+            th scope="row" { (capital(&r.what)) }
+            td.n { (change(r.rula.mean)) span.small { (change(r.rula.low95)) " to " (change(r.rula.high95)) } }
+            td.n { (score(r.expected_rula[1])) }
+            td.n { (change(r.expected_reba[1] - r.expected_reba[0])) }
+            td.n { (percent(r.exposure_rula_5[0])) " \u{2192} " (percent(r.exposure_rula_5[1])) }
+        }
+    }
+}
+
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
+}
+
+/// The body part that drives the total most.
+fn driver_words(view: &View) -> Option<String> {
+    let body = view.lead.and_then(|l| view.scores(l))?;
+    let most = body.parts.iter().max_by(|a, b| a.drives.total_cmp(&b.drives))?;
+    (most.drives > 0.0).then(|| {
+        format!(
+            "What drives the score most is the step \u{201c}{}\u{201d}: at its lowest score all the time, expected RULA \
+             would be {} lower.",
+            most.part,
+            score(most.drives)
+        )
+    })
+}
