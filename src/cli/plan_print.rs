@@ -214,7 +214,10 @@ fn print_certificates(result: &RunResult, best: Option<&CandidateResult>) {
     for b in &best.bodies {
         if let Some(near) = &b.person_clearance {
             let sentence = near.sentence();
-            say!("  to the person  {}: {sentence} (a planning margin, not a safety function)", b.body);
+            say!(
+                "  to the person  {}: {sentence} (a planning margin, not a safety function)",
+                b.body
+            );
         }
         say!(
             "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {:.0} %; \

@@ -49,13 +49,12 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let kinds = args.kind.map_or_else(|| Kind::value_variants().to_vec(), |k| vec![k]);
     for kind in kinds {
         let text = kind.text()?;
-        match &args.output {
-            Some(folder) => {
-                let path = folder.join(format!("{}.schema.json", kind.name()));
-                write_whole(&path, text.as_bytes())?;
-                say!("{}", path.display());
-            }
-            None => say!("{}", text.trim_end()),
+        if let Some(folder) = &args.output {
+            let path = folder.join(format!("{}.schema.json", kind.name()));
+            write_whole(&path, text.as_bytes())?;
+            say!("{}", path.display());
+        } else {
+            say!("{}", text.trim_end());
         }
     }
     Ok(Outcome::Done)

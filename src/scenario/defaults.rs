@@ -36,7 +36,9 @@ pub fn defaults_in_force(text: &str) -> Vec<String> {
     let is_seated = file.get("worker").and_then(|w| w.get("stance")?.as_str()) == Some("seated");
     OPTIONAL
         .iter()
-        .filter(|(table, key, _)| !has(table, key) && !(is_seated && *key == "shoe_m"))
+        .filter(|(table, key, _)| !has(table, key))
+        // Who sits, sits with or without shoes.
+        .filter(|(_, key, _)| !is_seated || *key != "shoe_m")
         .map(|(table, key, words)| {
             let dot = if table.is_empty() { "" } else { "." };
             format!("{table}{dot}{key}: {words}")

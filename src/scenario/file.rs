@@ -398,7 +398,7 @@ pub(super) enum CouplingFile {
 pub(super) struct PathFile {
     /// Name in reports.
     pub name: String,
-    /// CSV of `time_s, x_m, y_m, z_m, qw, qx, qy, qz`, or of `time_s` and the joints of the robot, or a ROS JointTrajectory (YAML, JSON).
+    /// CSV of `time_s, x_m, y_m, z_m, qw, qx, qy, qz`, or of `time_s` and the joints of the robot, or a ROS `JointTrajectory` (YAML, JSON).
     pub file: Option<String>,
     /// Via-points between start and goal instead of a file: x, y, z, world, m.
     pub via_m: Option<Vec<[f64; 3]>>,
