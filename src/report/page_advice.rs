@@ -18,6 +18,9 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
              are nearest to the mean of all at that moment. Held: trunk and arm move less than 7.5\u{b0} from \
              where they were and slower than 10\u{b0}/s.",
         ))
+        @if moments.iter().all(|m| m.held_s.is_none()) {
+            p.note { "No posture is held along this path: trunk and arm never rest." }
+        }
         div.scroll tabindex="0" role="region" aria-label="Postures" {
             table {
                 thead { tr {
@@ -29,7 +32,7 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
                     @for (i, name) in names.iter().enumerate() {
                         tr {
                             th scope="row" { (name) }
-                            @for m in moments { td.n { (m.angles_deg.get(i).map_or_else(String::new, |a| format!("{:.0}", a.1))) } }
+                            @for m in moments { td.n { (m.angles_deg.get(i).map_or_else(String::new, |a| format!("{:.0}", a.1.round() + 0.0))) } }
                         }
                     }
                 }
