@@ -151,7 +151,9 @@ impl Environment<'_> {
             let at_m = [x - away.x * by, y - away.y * by];
             is_enough(&Variant { at_m, ..nominal.clone() })
         });
-        let change = |what, by: Option<f64>| by.map(|by_m| Change::MoveApart { what: std::borrow::Cow::Borrowed(what), by_m });
+        let change = |what, by: Option<f64>| {
+            by.map(|by_m| Change::MoveApart { what: std::borrow::Cow::Borrowed(what), by_m })
+        };
         change("robot's base", robot).into_iter().chain(change("worker", worker)).collect()
     }
 }
