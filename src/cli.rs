@@ -24,6 +24,10 @@ mod batch;
 mod bench;
 mod bench_print;
 mod body;
+mod check;
+mod check_file;
+mod check_scenario;
+mod check_table;
 mod compare;
 mod evaluate;
 mod evaluate_print;
@@ -31,11 +35,14 @@ mod experiment;
 mod experiment_size;
 mod inspect;
 mod plan;
+mod plan_print;
 mod progress;
 mod report;
+mod schema;
 mod score;
 mod score_motion;
 mod score_print;
+mod shell;
 mod train;
 
 use clap::{Parser, Subcommand};
@@ -53,6 +60,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Explains a file that ergopath reads or writes; of a scenario, what is in reach and what is assumed.
+    Check(check::Args),
     /// Shows a chain of a URDF: joints, limits, and pose and Jacobian for given postures.
     Inspect(inspect::Args),
     /// Makes a digital human of given sex, stature and mass.
@@ -77,6 +86,12 @@ enum Command {
     Bench(bench::Args),
     /// Repeat the paper's experiments and our own on made-up data.
     Experiment(experiment::Args),
+    /// JSON Schemas of scenario and planner files, for editors.
+    Schema(schema::Args),
+    /// Completions for a shell.
+    Completions(shell::CompletionArgs),
+    /// Writes man pages.
+    Man(shell::ManArgs),
 }
 
 /// How a command ended when it did not fail.
@@ -93,6 +108,7 @@ type Failure = Box<dyn Diagnostic + Send + Sync>;
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
+        Command::Check(args) => check::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Body(args) => body::run(&args),
         Command::Plan(args) => plan::plan(&args),
@@ -105,6 +121,9 @@ pub fn main() -> ExitCode {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::Experiment(args) => experiment::run(&args),
+        Command::Schema(args) => schema::run(&args),
+        Command::Completions(args) => Ok(shell::completions(&args)),
+        Command::Man(args) => shell::man(&args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -4,6 +4,7 @@ mod error;
 mod memory;
 mod number;
 mod output;
+mod schema;
 mod table;
 mod text;
 
@@ -11,5 +12,6 @@ pub use error::{InputError, suggest};
 pub use memory::{peak_memory_mib, restart_peak_memory};
 pub use number::null_as_nan;
 pub use output::{OutputFolder, write_whole};
+pub use schema::toml_schema;
 pub use table::NumericTable;
 pub use text::{parse_toml, read_bytes, read_text, sha256_hex};

@@ -42,7 +42,7 @@ pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use objective::Figures;
 pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
-pub use preset::{Objective, Preset, load_preset, preset_names};
+pub use preset::{Objective, Preset, load_preset, planner_schema, preset_names};
 pub use result::*;
 pub use resume::Checkpoint;
 pub use scene::*;

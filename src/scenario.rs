@@ -8,6 +8,7 @@
 
 mod cell;
 mod check;
+mod defaults;
 mod file;
 mod freedom;
 mod paths;
@@ -17,17 +18,23 @@ mod worker;
 
 pub use cell::PersonMargin;
 pub use check::Scenario;
+pub use defaults::defaults_in_force;
 pub use file::{OtherArm, PosturePick};
 pub use freedom::{Freedom, Freedoms, TURN_ON_THE_WAY, Variant};
 pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
 pub use worker::Worker;
 
-use crate::files::{InputError, parse_toml, read_text, sha256_hex};
+use crate::files::{InputError, parse_toml, read_text, sha256_hex, toml_schema};
 use std::path::Path;
 
 /// Schema id and version of scenario files.
 pub const SCENARIO_SCHEMA: &str = "ergopath/scenario/1";
+
+/// JSON Schema (draft 7) of scenario files.
+pub fn scenario_schema() -> serde_json::Value {
+    toml_schema::<file::ScenarioFile>()
+}
 
 /// Reads and resolves a scenario; paths in it are relative to its folder.
 pub fn read_scenario(path: &Path) -> Result<Scenario, InputError> {

@@ -20,7 +20,9 @@ mod gradient;
 pub use gradient::ScoreGradient;
 
 /// How the head is held, which nobody predicts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum NeckRule {
     /// In line with the trunk.

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{ergopath, plan, workplace};
+use common::{assert_refused, ergopath, plan, workplace};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
@@ -70,8 +70,13 @@ fn a_folder_of_runs_stands_for_its_runs_and_wrong_calls_are_refused() {
     compare(&["runs"]).success().stdout(contains("paired, 6 people").and(contains("two")));
     assert!(both.join("comparison.html").is_file() && both.join("comparison.csv").is_file());
     compare(&["runs", "--quiet"]).success().stdout("");
-    compare(&["runs", "--against", "tow"]).code(2).stderr(contains("did you mean `two`?"));
-    compare(&["runs/one", "runs/one"]).code(2).stderr(contains("is named twice"));
-    compare(&["nowhere"]).code(2).stderr(contains("no such file"));
-    compare(&["."]).code(2).stderr(contains("is a folder without result.json"));
+    let refused = |arguments: &[&str], words: &str| {
+        let mut command = ergopath();
+        command.current_dir(room.path()).arg("compare").args(arguments).arg("-o").arg(&both);
+        assert_refused(&mut command, words);
+    };
+    refused(&["runs", "--against", "tow"], "did you mean `two`?");
+    refused(&["runs/one", "runs/one"], "is named twice");
+    refused(&["nowhere"], "no such file");
+    refused(&["."], "is a folder without result.json");
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{ergopath, files, plan, workplace};
+use common::{assert_refused, ergopath, files, plan, workplace};
 use predicates::prelude::*;
 use predicates::str::contains;
 
@@ -80,13 +80,13 @@ fn what_is_no_result_is_refused() {
     let refused = |text: &str, words: &str| {
         std::fs::write(&file, text).unwrap();
         let before = files(&out);
-        ergopath().arg("report").arg(&out).assert().code(2).stderr(contains(words));
+        assert_refused(ergopath().arg("report").arg(&out), words);
         assert_eq!(files(&out), before);
     };
     refused(&text[..text.len() / 2], "cut off");
     refused("{\"schema\": \"ergopath/result/9\"}", "ergopath/result/9");
     refused("{}", "has no schema");
     refused("[1, 2]", "is not a result");
-    ergopath().arg("report").arg(room.path()).assert().code(2).stderr(contains("without"));
-    ergopath().arg("report").arg("nowhere").assert().code(2).stderr(contains("no such file"));
+    assert_refused(ergopath().arg("report").arg(room.path()), "is a folder without result.json");
+    assert_refused(ergopath().arg("report").arg("nowhere"), "no such file");
 }

@@ -1,6 +1,7 @@
 //! Tables and bars on the terminal: plain text, coloured only where somebody watches and wants it.
 
 use comfy_table::{Cell, CellAlignment, Color, Table, presets};
+use std::io::IsTerminal;
 
 /// Characters of a bar that stands for all of the time.
 const WIDTH: usize = 12;
@@ -10,7 +11,7 @@ pub(super) fn table(header: &[&str], right: &[usize]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header(header.iter().copied());
-    if std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty()) {
+    if !wants_colour() {
         table.force_no_tty();
     }
     for column in right {
@@ -19,6 +20,17 @@ pub(super) fn table(header: &[&str], right: &[usize]) -> Table {
         }
     }
     table
+}
+
+/// Whether somebody watches who wants more than plain text (<https://no-color.org>).
+fn wants_colour() -> bool {
+    let is_refused = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+    std::io::stdout().is_terminal() && !is_refused
+}
+
+/// Text in bold where it is watched.
+pub(super) fn bold(text: &str) -> String {
+    if wants_colour() { format!("\u{1b}[1m{text}\u{1b}[0m") } else { text.to_owned() }
 }
 
 /// A share as a bar of blocks, to an eighth of a character; what is above zero is never empty.

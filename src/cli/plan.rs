@@ -1,14 +1,12 @@
 //! `ergopath plan` and `ergopath assess`: from a scenario file to a folder of results.
 
+use super::plan_print::print;
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, OutputFolder, write_whole};
-use crate::planner::{
-    self, Checkpoint, Evaluated, PlanError, Request, RunResult, Status, Step, load_preset,
-};
+use crate::planner::{self, Checkpoint, PlanError, Request, RunResult, Step, load_preset};
 use crate::report;
 use crate::scenario::{Scenario, read_scenario, read_user_path};
-use comfy_table::{Cell, CellAlignment, Table, presets};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -182,6 +180,11 @@ fn unfinished(output: &Path) -> PathBuf {
     output.with_file_name(name)
 }
 
+/// What an interrupted run keeps, in words.
+pub(super) fn unfinished_words(kept: &Checkpoint) -> String {
+    format!("{} paths are kept; the same command with --resume goes on with them", kept.tried())
+}
+
 /// The failure of a run; an interrupted search is kept, so that it can go on.
 fn stopped(error: PlanError, output: &Path) -> Failure {
     let PlanError::Interrupted(Some(checkpoint)) = error else { return failure(error) };
@@ -209,126 +212,4 @@ pub(super) fn canonical(verb: &str, scenario: &Scenario, planner: &str, seed: u6
         }
     }
     format!("{command} --seed {seed} --planner {planner}")
-}
-
-/// The verdict and the ranking.
-fn print(result: &RunResult, quiet: bool) {
-    say!("{}", result.verdict.headline);
-    if let Some(caveat) = &result.verdict.caveat {
-        say!("  [{caveat}]");
-    }
-    for line in &result.verdict.lines {
-        say!("  {line}");
-    }
-    if quiet {
-        return;
-    }
-    say!();
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header([
-        "rank",
-        "path",
-        "body",
-        "time at 3+",
-        "RULA",
-        "90 % band",
-        "REBA",
-        "out of reach",
-        "state",
-    ]);
-    let shown = result.candidates.iter().filter(|c| c.evaluated == Evaluated::Reported);
-    for c in shown {
-        for (i, b) in c.bodies.iter().enumerate() {
-            let state = match &c.status {
-                Status::Feasible => "",
-                Status::Marked { .. } => "over a limit",
-                Status::Infeasible { .. } => "infeasible",
-            };
-            let once = |text: String| if i == 0 { text } else { String::new() };
-            table.add_row(
-                [
-                    once(c.rank.map_or_else(String::new, |r| r.to_string())),
-                    once(c.id.clone()),
-                    b.body.clone(),
-                    format!("{:.0} %", 100.0 * b.rula.exposure.get(5).copied().unwrap_or(0.0)),
-                    format!("{:.2}", b.rula.expected),
-                    format!("{:.2} to {:.2}", b.rula.p05, b.rula.p95),
-                    format!("{:.2}", b.reba.expected),
-                    format!("{:.0} %", 100.0 * b.reach_exceeded),
-                    once(state.to_owned()),
-                ]
-                .map(Cell::new),
-            );
-        }
-    }
-    for column in [0, 3, 4, 6, 7] {
-        if let Some(c) = table.column_mut(column) {
-            c.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    say!("{}", table.trim_fmt());
-    let refused = result.candidates.iter().filter(|c| c.evaluated == Evaluated::None).count();
-    let searched = result.candidates.iter().filter(|c| c.evaluated == Evaluated::Search).count();
-    say!(
-        "  and {searched} paths of the search that were not shortlisted, {refused} that are not feasible"
-    );
-    print_certificates(result);
-    for c in &result.candidates {
-        if let Status::Marked { violations } = &c.status {
-            say!("  `{}` breaks limits: {}", c.id, violations.join("; "));
-        }
-    }
-}
-
-/// How far the best path's figures can be trusted.
-fn print_certificates(result: &RunResult) {
-    let best = result.candidates.iter().find(|c| Some(&c.id) == result.verdict.best.as_ref());
-    let (Some(best), Some(certificate)) = (best, &result.certificate) else { return };
-    say!("\nHow far to trust `{}`", best.id);
-    if let Some(path) = &best.path {
-        let broken = path.checks.iter().filter(|c| !c.is_met()).count();
-        let kept = if broken == 0 { "all kept".to_owned() } else { format!("{broken} broken") };
-        say!(
-            "  limits         {} checks on a grid ten times finer than the path's: {kept}",
-            path.checks.len()
-        );
-        say!("  robot          {}", path.self_clearance);
-    }
-    for b in &best.bodies {
-        if let Some(near) = &b.person_clearance {
-            say!(
-                "  to the person  {}: {} (a planning margin, not a safety function)",
-                b.body,
-                near.sentence()
-            );
-        }
-        say!(
-            "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {:.0} %; \
-             beyond the training data {:.0} % of the path",
-            b.body,
-            b.hand_residual_max_mm,
-            b.hand_residual_rms_mm,
-            b.hand_residual_max_deg,
-            100.0 * b.reach_exceeded,
-            100.0 * b.extrapolation_share
-        );
-    }
-    let c = certificate;
-    let difference = c.expected_rula_other_seed - c.expected_rula;
-    let verdict = if difference.abs() <= c.half_width95 { "within" } else { "beyond" };
-    say!(
-        "  another seed   {} other people: expected RULA {:.2} against {:.2}; {difference:+.3}, {verdict} the \
-         95 % interval of {:.3}",
-        c.people,
-        c.expected_rula_other_seed,
-        c.expected_rula,
-        c.half_width95
-    );
-    let searches: Vec<String> = result
-        .search
-        .iter()
-        .map(|s| format!("{} {} ({} refused)", s.name, s.paths, s.infeasible))
-        .collect();
-    say!("  paths tried    {}", searches.join(", "));
 }

@@ -31,24 +31,21 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let files = report::files_again(&result, out_of_date.as_deref())
         .map_err(|e| InputError::new("report", e.to_string()))?;
     let source = result_file(&args.result);
-    let target = match &args.output {
-        Some(target) => {
-            let folder = OutputFolder::create(target)?;
-            for (name, bytes) in &files {
-                // The result is copied, not written anew.
-                let copy = (name == "result.json").then(|| read_bytes(&source)).transpose()?;
-                folder.write(name, copy.as_deref().unwrap_or(bytes))?;
-            }
-            folder.publish()?;
-            target.clone()
+    let target = if let Some(target) = &args.output {
+        let folder = OutputFolder::create(target)?;
+        for (name, bytes) in &files {
+            // The result is copied, not written anew.
+            let copy = (name == "result.json").then(|| read_bytes(&source)).transpose()?;
+            folder.write(name, copy.as_deref().unwrap_or(bytes))?;
         }
-        None => {
-            let folder = source.parent().unwrap_or(Path::new("")).to_owned();
-            for (name, bytes) in files.iter().filter(|(name, _)| name != "result.json") {
-                write_whole(&folder.join(name), bytes)?;
-            }
-            folder
+        folder.publish()?;
+        target.clone()
+    } else {
+        let folder = source.parent().unwrap_or(Path::new("")).to_owned();
+        for (name, bytes) in files.iter().filter(|(name, _)| name != "result.json") {
+            write_whole(&folder.join(name), bytes)?;
         }
+        folder
     };
     if let Some(what) = &out_of_date {
         complain!("out of date: {what}");

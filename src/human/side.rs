@@ -1,9 +1,10 @@
 //! Right and left.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The coupled side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
     /// Right hand on the robot.

@@ -174,11 +174,14 @@ pub fn cell_sensitivity(
 /// A path, and the straight one to hold it against.
 type Paths<'a> = (&'a TimedPath, Option<&'a TimedPath>);
 
+/// Where a change puts a pose of the path, by its share of the way.
+type Moved<'a> = &'a dyn Fn(&Pose, f64) -> Pose;
+
 fn outcome(
     cell: &Scenario,
     (seed, people, body): (u64, usize, usize),
     (path, straight): Paths,
-    (slower, moved): (f64, &dyn Fn(&Pose, f64) -> Pose),
+    (slower, moved): (f64, Moved),
 ) -> Result<Outcome, InputError> {
     let all = Person::all(cell, None)?;
     let lens = lens(cell);
@@ -198,7 +201,7 @@ fn outcome(
 }
 
 /// A path on a slower clock, with every pose where a change puts it.
-fn carried(path: &TimedPath, slower: f64, moved: &dyn Fn(&Pose, f64) -> Pose) -> TimedPath {
+fn carried(path: &TimedPath, slower: f64, moved: Moved) -> TimedPath {
     let way = path.arc_length_m();
     let all = path.length_m();
     let poses = path.poses.iter().zip(&way);

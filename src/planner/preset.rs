@@ -1,6 +1,7 @@
 //! Planner presets: how many candidates and people, and what is made small. Owner of `planners/`.
 
-use crate::files::{InputError, parse_toml, read_text, suggest};
+use crate::files::{InputError, parse_toml, read_text, suggest, toml_schema};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -14,9 +15,11 @@ const SHIPPED: &[(&str, &str)] = &[
 ];
 
 /// A planner's settings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
+    /// Version of this format: `ergopath/planner/1`.
+    #[schemars(extend("const" = SCHEMA))]
     schema: String,
     /// Name.
     pub name: String,
@@ -51,7 +54,7 @@ pub struct Preset {
 }
 
 /// Weights of the objective: one or more of scores, and secondary terms.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Objective {
     /// Of the expected RULA score.
@@ -81,6 +84,11 @@ pub struct Objective {
 
 fn wanted() -> f64 {
     0.05
+}
+
+/// JSON Schema (draft 7) of planner files.
+pub fn planner_schema() -> serde_json::Value {
+    toml_schema::<Preset>()
 }
 
 /// Names of the shipped presets.

@@ -153,7 +153,7 @@ pub struct CandidateResult {
     /// Via-points, m, world.
     pub vias_m: Vec<[f64; 3]>,
     /// What was chosen besides the path, where the scenario leaves anything free.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub chosen: Vec<String>,
     /// The objective on the block that ranked it.
     pub objective: Option<f64>,

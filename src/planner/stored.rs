@@ -97,16 +97,15 @@ pub fn freshness(
         return Ok(Freshness::NotFound("scenario".to_owned()));
     };
     let hash = |p: &Path| read_bytes(p).map(|b| sha256_hex(&b));
-    let path = match scenario {
-        Some(path) => path.to_owned(),
-        None => {
-            let found = places(place).into_iter().map(|f| f.join(name)).filter(|p| p.is_file());
-            let found: Vec<PathBuf> = found.collect();
-            let same = found.iter().find(|p| hash(p).is_ok_and(|h| h == *recorded));
-            match same.or(found.first()) {
-                Some(path) => path.clone(),
-                None => return Ok(Freshness::NotFound(name.clone())),
-            }
+    let path = if let Some(path) = scenario {
+        path.to_owned()
+    } else {
+        let found = places(place).into_iter().map(|f| f.join(name)).filter(|p| p.is_file());
+        let found: Vec<PathBuf> = found.collect();
+        let same = found.iter().find(|p| hash(p).is_ok_and(|h| h == *recorded));
+        match same.or(found.first()) {
+            Some(path) => path.clone(),
+            None => return Ok(Freshness::NotFound(name.clone())),
         }
     };
     let mut changed = Vec::new();

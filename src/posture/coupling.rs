@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix6xX, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 /// Which motions of the hand the robot prescribes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
     /// Position and orientation: 6 rows.

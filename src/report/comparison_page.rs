@@ -62,6 +62,7 @@ fn headline(comparison: &Comparison, done: &[&ComparedRun]) -> Markup {
     html! {
         p.headline {
             (first.name) " scores lowest"
+            @if differs(comparison, first) { ", for another load or duration" }
             @if let Some(d) = of(first) {
                 @if d.clear { ": expected RULA " (change(d.mean)) " against " (against) "." }
                 @else { ", but not clearly lower than " (against) "." }
@@ -105,8 +106,7 @@ fn runs(comparison: &Comparison, rows: &[&ComparedRun]) -> Markup {
                 th.n scope="col" { "Level 3+" span.small { "90 % band" } }
                 th.n scope="col" { "Expected RULA" span.small { "90 % band" } }
                 th.n scope="col" { "Expected REBA" }
-                th.n scope="col" { "RULA against " (against) span.small { "95 % interval" } }
-                th scope="col" { "Lower is left" }
+                th.n scope="col" { "RULA against " (against) span.small { "95 % interval; left of the line is lower" } }
                 th.n scope="col" { "Out of reach" }
             } }
             tbody { @for r in rows { @if let (Some(body), Some(best)) = (r.worst_body(), r.best()) {
@@ -118,8 +118,10 @@ fn runs(comparison: &Comparison, rows: &[&ComparedRun]) -> Markup {
                     td.n { (percent(exposure)) span.small { (percent(low)) " to " (percent(high)) } }
                     td.n { (score(best.expected_rula)) span.small { (score(best.p05_rula)) " to " (score(best.p95_rula)) } }
                     td.n { (score(best.expected_reba)) }
-                    td.n { (against_words(body.against.as_ref())) }
-                    td { @if let Some(d) = &body.against { (whisker(d, widest)) } }
+                    td.n {
+                        (against_words(body.against.as_ref()))
+                        @if let Some(d) = &body.against { (whisker(d, widest)) }
+                    }
                     td.n { (percent(best.reach_exceeded)) }
                 }
             } } }
@@ -147,11 +149,11 @@ fn whisker(d: &RunDifference, widest: f64) -> Markup {
     let (low, high, mean) = (at(d.low95), at(d.high95), at(d.mean));
     html! {
         svg width="140" height="22" viewBox="0 0 140 22" aria-hidden="true" {
-            line x1="70" y1="1" x2="70" y2="21" stroke="#a0a8b4" stroke-width="1";
-            line x1=(low) y1="11" x2=(high) y2="11" stroke="#1a202c" stroke-width="2";
-            line x1=(low) y1="6" x2=(low) y2="16" stroke="#1a202c" stroke-width="2";
-            line x1=(high) y1="6" x2=(high) y2="16" stroke="#1a202c" stroke-width="2";
-            circle cx=(mean) cy="11" r="4" fill="#0072b2";
+            line x1="70" y1="1" x2="70" y2="21" stroke="#a0a8b4" stroke-width="1" {}
+            line x1=(low) y1="11" x2=(high) y2="11" stroke="#1a202c" stroke-width="2" {}
+            line x1=(low) y1="6" x2=(low) y2="16" stroke="#1a202c" stroke-width="2" {}
+            line x1=(high) y1="6" x2=(high) y2="16" stroke="#1a202c" stroke-width="2" {}
+            circle cx=(mean) cy="11" r="4" fill="#0072b2" {}
         }
     }
 }

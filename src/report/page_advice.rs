@@ -67,7 +67,8 @@ pub(super) fn recommendations(view: &View) -> Markup {
         }
         p.note {
             "Each change alone, with path and robot as they are and the same simulated people. The hand's reach is \
-             part of the figures; whether there is room for the change, and between robot and person, is for you to look at. Leave the \
+             part of the figures, and changes that bring people too near to the robot are left out; whether the cell has room is for you to \
+             look at. Leave the \
              planner free to choose (" code { "[free]" } ") to plan anew with several changes at once."
         }
     }

@@ -369,6 +369,9 @@ fn runs_are_compared_best_first() {
     assert_eq!(table.lines().count(), 1 + 2 * 2 * 3 + 2, "{table}");
 }
 
+/// Something that makes the people of a run others.
+type ChangeOf = fn(&mut RunResult);
+
 #[test]
 fn people_are_paired_only_where_they_are_the_same() {
     let against = |other: RunResult| {
@@ -384,8 +387,7 @@ fn people_are_paired_only_where_they_are_the_same() {
     // Everybody scores 0.25 more: certain for the same people, not for two groups.
     assert!((paired.mean - 0.25).abs() < 1e-9 && paired.high95 - paired.low95 < 1e-9);
     assert!(paired.clear);
-    type Change = fn(&mut RunResult);
-    let changes: [(Change, &str); 4] = [
+    let changes: [(ChangeOf, &str); 4] = [
         (|r| r.provenance.seed += 1, "seeds"),
         (|r| r.provenance.inputs[1].1 = "0".into(), "posture models"),
         (|r| r.provenance.inputs[2..4].iter_mut().for_each(|i| i.1 = "0".into()), "two bodies"),

@@ -1,87 +1,147 @@
 //! The scenario file as typed: keys, units and defaults.
 
+use super::SCENARIO_SCHEMA;
 use crate::human::Side;
 use crate::posture::Hold;
 use crate::survey::NeckRule;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-#[derive(Debug, Deserialize)]
+/// A workstation: worker, robot, task and limits. World: right-handed, z up, origin on the floor; metres, seconds, kilograms; degrees only in keys that end in `_deg`.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ScenarioFile {
+    /// Version of this format: `ergopath/scenario/1`.
+    #[schemars(with = "String", extend("const" = SCENARIO_SCHEMA))]
     pub schema: Spanned<String>,
+    /// Short name, shown in reports.
     pub name: String,
+    /// What the scenario is about.
     #[serde(default)]
     pub description: String,
+    /// Seed of all randomness, unless the command line gives another; default 0.
     #[serde(default)]
     pub seed: u64,
+    /// Convention for what RULA and REBA leave open.
+    #[schemars(with = "Option<String>", extend("enum" = crate::ergonomics::Profile::names()))]
     pub score_profile: Option<Spanned<String>>,
+    /// Who works.
     pub worker: WorkerFile,
+    /// How the hand holds the tool.
     pub grip: GripFile,
+    /// Who leads.
     pub robot: RobotFile,
+    /// TCP at the start, world.
+    #[schemars(with = "PoseFile")]
     pub start: Spanned<PoseFile>,
+    /// TCP at the goal, world.
+    #[schemars(with = "PoseFile")]
     pub goal: Spanned<PoseFile>,
+    /// How long the movement takes.
     pub motion: MotionFile,
+    /// Limits of the TCP.
     #[serde(default)]
     pub limits: LimitsFile,
+    /// The box that the TCP must not leave.
+    #[schemars(with = "Option<WorkspaceFile>")]
     pub workspace: Option<Spanned<WorkspaceFile>>,
+    /// What the robot must not touch.
     #[serde(default)]
+    #[schemars(with = "Vec<ObstacleFile>")]
     pub obstacle: Vec<Spanned<ObstacleFile>>,
+    /// Load, repetition and hold.
     #[serde(default)]
     pub task: TaskFile,
+    /// Your own paths: planned paths are held against them.
     #[serde(default)]
+    #[schemars(with = "Vec<PathFile>")]
     pub path: Vec<Spanned<PathFile>>,
+    /// What the planner may choose besides the path.
     #[serde(default)]
     pub free: FreeFile,
 }
 
 /// What the planner may choose besides the path. Boxes are half widths about the scenario's value.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct FreeFile {
+    /// Equivalent starts besides the one above.
     pub start_places: Vec<PoseFile>,
+    /// Half widths along world x, y, z within which the start may move, m.
     pub start_box_m: Option<[f64; 3]>,
+    /// Least and greatest turn of the start about the vertical, deg.
     pub start_yaw_deg: Option<[f64; 2]>,
+    /// Least and greatest turn of the start about the held bar, deg.
     pub start_roll_deg: Option<[f64; 2]>,
+    /// Equivalent goals besides the one above.
     pub goal_places: Vec<PoseFile>,
+    /// Half widths along world x, y, z within which the goal may move, m.
     pub goal_box_m: Option<[f64; 3]>,
+    /// Least and greatest turn of the goal about the vertical, deg.
     pub goal_yaw_deg: Option<[f64; 2]>,
+    /// Least and greatest turn of the goal about the held bar, deg.
     pub goal_roll_deg: Option<[f64; 2]>,
+    /// Least and greatest turn of the handle on the tool about its bar, deg.
     pub grip_roll_deg: Option<[f64; 2]>,
+    /// Half widths along world x, y, z within which the robot's base may move, m.
     pub robot_base_m: Option<[f64; 3]>,
+    /// Least and greatest turn of the robot's base about the vertical, deg.
     pub robot_base_yaw_deg: Option<[f64; 2]>,
+    /// Half widths along world x, y within which the worker's place may move, m.
     pub worker_at_m: Option<[f64; 2]>,
+    /// Least and greatest turn of the worker about the vertical, deg.
     pub worker_facing_deg: Option<[f64; 2]>,
+    /// Least and greatest duration, s.
     pub duration_s: Option<[f64; 2]>,
+    /// Least and greatest rest at the middle of the way, besides the duration, s.
     pub dwell_s: Option<[f64; 2]>,
+    /// How far the tool may turn on its way besides the turn from start to goal, deg.
+    #[schemars(range(min = 0.0, max = 90.0))]
     pub turn_on_the_way_deg: Option<f64>,
 }
 
-#[derive(Debug, Deserialize)]
+/// Who works, where, and in which posture.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WorkerFile {
-    /// Shipped bodies or URDF files.
+    /// Shipped bodies (`female_p05`, `female_p50`, `male_p50`, `male_p95`) or URDF files made by `ergopath body`; the first is the main one.
+    #[schemars(with = "Vec<String>", length(min = 1))]
     pub bodies: Spanned<Vec<String>>,
-    /// A shipped posture model or a file.
+    /// A shipped posture model (`demo_operator`) or a file that `ergopath train` wrote.
     pub posture_model: String,
+    /// The hand on the robot; default right.
     #[serde(default = "right")]
     pub side: Side,
+    /// Default standing.
     #[serde(default)]
     pub stance: StanceFile,
+    /// Floor point below the pelvis: x, y, world, m.
+    #[schemars(with = "[f64; 2]")]
     pub at_m: Spanned<[f64; 2]>,
+    /// Forward direction of the pelvis about world z, deg; 0 is world x.
+    #[schemars(with = "f64", range(min = -720.0, max = 720.0))]
     pub facing_deg: Spanned<f64>,
+    /// Thickness of the soles, m, standing; default 0.03.
     #[serde(default = "shoe")]
+    #[schemars(range(min = 0.0, max = 0.3))]
     pub shoe_m: f64,
+    /// Height of the seat, m; needed when seated.
+    #[schemars(range(min = 0.1, max = 1.2))]
     pub seat_height_m: Option<f64>,
+    /// A backrest supports the trunk.
     #[serde(default)]
     pub trunk_supported: bool,
+    /// The weight of the arm is supported.
     #[serde(default)]
     pub arm_supported: bool,
-    /// "sampled", "mean", or a CSV of joint angles.
+    /// `sampled` (default), `mean`, or a CSV of joint angles.
     #[serde(default = "sampled")]
     pub start_posture: PosturePick,
+    /// How the head is held; default in line with the trunk.
     #[serde(default)]
     pub neck: NeckRule,
+    /// What is known of the arm that does not hold the robot; default unknown, not scored.
     #[serde(default)]
     pub other_arm: OtherArm,
 }
@@ -99,19 +159,22 @@ fn sampled() -> PosturePick {
 }
 
 /// Which posture the worker starts in: "sampled", "mean" or a file name.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PosturePick(pub String);
 
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
+/// How the worker is placed.
+#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum StanceFile {
+    /// On straight legs.
     #[default]
     Standing,
+    /// On a seat of `seat_height_m`.
     Seated,
 }
 
 /// What is known of the arm that does not hold the robot.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum OtherArm {
     /// Nothing: it is not scored.
@@ -122,137 +185,221 @@ pub enum OtherArm {
 }
 
 /// A pose: position and one of two orientations.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PoseFile {
+    /// x, y, z, m.
     pub position_m: [f64; 3],
+    /// Orientation: roll, pitch, yaw about fixed axes, deg. Without it and without a quaternion: none.
     pub rpy_deg: Option<[f64; 3]>,
+    /// Orientation instead of `rpy_deg`; w first, norm 1.
     pub quaternion_wxyz: Option<[f64; 4]>,
 }
 
-#[derive(Debug, Deserialize)]
+/// The hand in the TCP's frame: z along the held bar towards the thumb, y towards the wrist, x out of the palm (right hand).
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GripFile {
+    /// Origin of the grip in the frame of the TCP, m; default 0, 0, 0.
     pub position_m: Option<[f64; 3]>,
+    /// Orientation in the frame of the TCP: roll, pitch, yaw about fixed axes, deg.
     pub rpy_deg: Option<[f64; 3]>,
+    /// Orientation instead of `rpy_deg`; w first, norm 1.
     pub quaternion_wxyz: Option<[f64; 4]>,
+    /// What the robot prescribes of the hand.
     pub hold: Hold,
 }
 
-#[derive(Debug, Deserialize)]
+/// The robot: a preset, or a URDF with its base and TCP links.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RobotFile {
+    /// A robot that is shipped: `panda`, `fr3`, `ur5e`, `ur10e`.
+    #[schemars(extend("enum" = crate::robot::PRESETS))]
     pub preset: Option<String>,
+    /// URDF file instead of a preset.
     pub urdf: Option<String>,
+    /// Link of the URDF that stands on `base`.
     pub base_link: Option<String>,
+    /// Link of the URDF whose frame is the TCP.
     pub tcp: Option<String>,
+    /// Base of the robot, world.
+    #[schemars(with = "PoseFile")]
     pub base: Spanned<PoseFile>,
+    /// Other limits of single joints.
     #[serde(default)]
     pub limit: Vec<JointLimitFile>,
 }
 
-#[derive(Debug, Deserialize)]
+/// Another limit of one joint of the robot; what is left out stays.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointLimitFile {
+    /// Name of the joint.
     pub joint: String,
+    /// Least position, rad (m for a sliding joint).
     pub lower_rad: Option<f64>,
+    /// Greatest position, rad.
     pub upper_rad: Option<f64>,
+    /// Greatest speed, rad/s.
     pub velocity_rad_s: Option<f64>,
+    /// Greatest acceleration, rad/s^2.
     pub acceleration_rad_s2: Option<f64>,
 }
 
-#[derive(Debug, Deserialize)]
+/// How long the movement takes.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MotionFile {
+    /// Duration of the movement, s.
+    #[schemars(with = "f64", range(min = 0.05, max = 600.0))]
     pub duration_s: Spanned<f64>,
 }
 
 /// Limits of the TCP; what is left out takes the planning default.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LimitsFile {
+    /// Greatest speed, m/s.
+    #[schemars(with = "Option<f64>", range(min = 0.001, max = 5.0))]
     pub speed_m_s: Option<Spanned<f64>>,
+    /// Greatest acceleration, m/s^2.
+    #[schemars(with = "Option<f64>", range(min = 0.001, max = 50.0))]
     pub acceleration_m_s2: Option<Spanned<f64>>,
+    /// Greatest component of the jerk, m/s^3.
+    #[schemars(with = "Option<f64>", range(min = 0.001, max = 10000.0))]
     pub jerk_m_s3: Option<Spanned<f64>>,
+    /// Greatest angular speed, deg/s.
+    #[schemars(with = "Option<f64>", range(min = 0.001, max = 720.0))]
     pub angular_speed_deg_s: Option<Spanned<f64>>,
+    /// Greatest angular acceleration, deg/s^2.
+    #[schemars(with = "Option<f64>", range(min = 0.001, max = 5000.0))]
     pub angular_acceleration_deg_s2: Option<Spanned<f64>>,
-    /// Distance of the TCP from obstacles.
+    /// Distance of the TCP from obstacles, m; default 0.03.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
     pub clearance_m: Option<Spanned<f64>>,
-    /// Distance between robot and person, the coupled hand and forearm at the wrist excepted.
+    /// Distance between robot and person, the coupled hand and forearm at the wrist excepted, m;
+    /// default 0.05.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
     pub person_clearance_m: Option<Spanned<f64>>,
-    /// Share of the repetitions that may come nearer than that.
+    /// Share of the repetitions that may come nearer than that; default 0.05.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
     pub person_clearance_share: Option<Spanned<f64>>,
-    /// How far the path may be from the candidate it was made from.
+    /// How far the path may be from the candidate it was made from, m; without it anywhere.
+    #[schemars(with = "Option<f64>", range(min = 0.001, max = 10.0))]
     pub corridor_m: Option<Spanned<f64>>,
 }
 
-#[derive(Debug, Deserialize)]
+/// The box that the TCP must not leave, world, m.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WorkspaceFile {
+    /// Lower corner: x, y, z, world, m.
     pub min_m: [f64; 3],
+    /// Upper corner: x, y, z, world, m.
     pub max_m: [f64; 3],
 }
 
 /// A body in the cell that the robot must not touch.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
 pub(super) enum ObstacleFile {
+    /// A box about its middle.
     Box {
+        /// Name in reports.
         name: String,
+        /// Middle: x, y, z, world, m.
         position_m: [f64; 3],
+        /// Roll, pitch, yaw about fixed axes, deg.
         #[serde(default)]
         rpy_deg: [f64; 3],
+        /// Whole widths along its own x, y, z, m.
         size_m: [f64; 3],
     },
+    /// A sphere.
     Sphere {
+        /// Name in reports.
         name: String,
+        /// Middle: x, y, z, world, m.
         position_m: [f64; 3],
+        /// Radius, m.
         radius_m: f64,
     },
+    /// All points within a radius of a line.
     Capsule {
+        /// Name in reports.
         name: String,
+        /// One end of the line, world, m.
         from_m: [f64; 3],
+        /// The other end, world, m.
         to_m: [f64; 3],
+        /// Radius, m.
         radius_m: f64,
     },
+    /// A cylinder along its own z axis, about its middle.
     Cylinder {
+        /// Name in reports.
         name: String,
+        /// Middle: x, y, z, world, m.
         position_m: [f64; 3],
+        /// Roll, pitch, yaw about fixed axes, deg.
         #[serde(default)]
         rpy_deg: [f64; 3],
+        /// Radius, m.
         radius_m: f64,
+        /// Whole length, m.
         length_m: f64,
     },
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// Load, repetition and hold: what no path shows.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TaskFile {
+    /// Mass of the part, kg; default 0.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 200.0))]
     pub part_mass_kg: Option<Spanned<f64>>,
+    /// Share of the part's weight that the worker carries, 0 to 1; default 1, with a warning.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
     pub human_load_share: Option<Spanned<f64>>,
+    /// Load besides the part, such as a tool, kg; default 0.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 200.0))]
     pub extra_load_kg: Option<Spanned<f64>>,
+    /// How often the movement is made, per minute.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 600.0))]
     pub cycles_per_min: Option<Spanned<f64>>,
+    /// Longest static hold, s.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 86_400.0))]
     pub hold_s: Option<Spanned<f64>>,
+    /// Shock or rapid build-up of force.
     #[serde(default)]
     pub shock: bool,
+    /// Quality of the hold on the part (REBA); default good.
     pub coupling: Option<CouplingFile>,
 }
 
 /// Quality of the hold on the part (REBA).
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum CouplingFile {
+    /// A handle that fits; a power grip.
     Good,
+    /// Acceptable, not ideal; or held with another part of the body.
     Fair,
+    /// Not acceptable, though possible.
     Poor,
+    /// Awkward, unsafe, no handle.
     Unacceptable,
 }
 
 /// A path that the designer has, as a file or drawn by via-points.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PathFile {
+    /// Name in reports.
     pub name: String,
+    /// CSV of `time_s, x_m, y_m, z_m, qw, qx, qy, qz`, or of `time_s` and the joints of the robot, or a ROS `JointTrajectory` (YAML, JSON).
     pub file: Option<String>,
+    /// Via-points between start and goal instead of a file: x, y, z, world, m.
     pub via_m: Option<Vec<[f64; 3]>>,
 }

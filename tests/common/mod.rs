@@ -58,3 +58,12 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     }
     all
 }
+
+/// Refused as wrong input with these words, however the message is wrapped on the screen.
+pub fn assert_refused(command: &mut Command, words: &str) {
+    let output = command.assert().code(2).get_output().clone();
+    let shown = String::from_utf8(output.stderr).unwrap();
+    let flat = shown.replace(['\n', '│'], " ");
+    let flat = flat.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(flat.contains(words), "`{words}` is missing in:\n{shown}");
+}

@@ -1,0 +1,286 @@
+//! Which kind of file a file is, and every kind but scenarios and tables in words.
+
+use super::check::Explained;
+use super::check_table::table;
+use super::plan::unfinished_words;
+use crate::files::{InputError, parse_toml, read_bytes, read_text};
+use crate::human::{Body, Side};
+use crate::kinematics::{JointKind, read_urdf};
+use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result};
+use crate::posture::load_model;
+use crate::recording::{Recording, read};
+use crate::robot::{JointTrajectory, PRESETS, Robot};
+use std::path::Path;
+
+const KNOWN: &str = "known are scenarios and planners (TOML), bodies and robots (URDF), posture models and results \
+                     (JSON), recordings (MVNX, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
+
+/// A file in words.
+pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
+    if path.is_dir() {
+        return folder(path);
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
+        "toml" => toml(path, &name),
+        "json" => json(path),
+        "yaml" | "yml" => trajectory(path),
+        "urdf" => urdf(path),
+        "csv" => table(path),
+        "mvnx" | "mvn" => Ok(recording(&read(path, None)?)),
+        _ => {
+            read_bytes(path)?;
+            Err(InputError::new(path, "is no kind of file that ergopath knows").remedy(KNOWN))
+        }
+    }
+}
+
+fn folder(path: &Path) -> Result<Explained, InputError> {
+    if path.join("result.json").is_file() {
+        return Ok(result(&read_result(path)?));
+    }
+    read(path, None).map(|r| recording(&r))
+}
+
+fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
+    let text = read_text(path)?;
+    let table: ::toml::Table = parse_toml(path, &text)?;
+    let schema = table.get("schema").and_then(::toml::Value::as_str).unwrap_or_default();
+    if name.ends_with(".body.toml") || schema.starts_with("ergopath/body/") {
+        let urdf = path.with_file_name(
+            path.file_name().unwrap_or_default().to_string_lossy().replace(".body.toml", ".urdf"),
+        );
+        return Ok(body(&Body::read(&urdf)?));
+    }
+    if schema.starts_with("ergopath/planner/") {
+        return planner(path);
+    }
+    let found =
+        if schema.is_empty() { "no schema".to_owned() } else { format!("schema `{schema}`") };
+    let message = format!("has {found}, so it cannot be told what it is");
+    Err(InputError::new(path, message).remedy(
+        "a scenario begins with schema = \"ergopath/scenario/1\", a planner with schema = \"ergopath/planner/1\"",
+    ))
+}
+
+fn planner(path: &Path) -> Result<Explained, InputError> {
+    let p = load_preset(&path.display().to_string())?;
+    let o = &p.objective;
+    let weights = [
+        (o.expected_rula, "expected RULA"),
+        (o.expected_reba, "expected REBA"),
+        (o.cvar90_rula, "mean RULA of the worst tenth"),
+        (o.exposure_rula_5, "share of time at RULA 5 or more"),
+        (o.p_level_3, "share of people at RULA 5 or more for half a second"),
+        (o.effort, "joint speed (per rad/s)"),
+        (o.duration, "duration"),
+        (o.clearance, "missing clearance"),
+    ];
+    let sum: Vec<String> = weights
+        .iter()
+        .filter(|(w, _)| *w != 0.0)
+        .map(|(w, name)| format!("{w} x {name}"))
+        .collect();
+    Ok(Explained::new(format!("a planner, `{}`", p.name))
+        .saying(format!("made small: {}", sum.join(" + ")))
+        .saying(format!(
+            "search: {} paths in {} generations, {} via-points each; every one meets {} to {} people",
+            p.population * p.generations,
+            p.generations,
+            p.vias,
+            p.rollouts_first,
+            p.rollouts_most
+        ))
+        .saying(format!("baselines that search: {} generations each", p.baseline_generations))
+        .saying(format!(
+            "of these {} are held against each other by {} fresh people, and {} are reported",
+            p.shortlist, p.rollouts_final, p.reported
+        ))
+        .saying(format!("time steps of a path: {}", p.steps)))
+}
+
+fn json(path: &Path) -> Result<Explained, InputError> {
+    let text = read_text(path)?;
+    let broken = |e: serde_json::Error| {
+        let what =
+            if e.is_eof() { "ends in the middle".to_owned() } else { format!("is no JSON: {e}") };
+        InputError::new(path, what).remedy("copy or make the file again")
+    };
+    let value: serde_json::Value = serde_json::from_str(&text).map_err(broken)?;
+    let schema = value["schema"].as_str().unwrap_or_default();
+    let kind = schema.split('/').nth(1).unwrap_or_default();
+    match kind {
+        "result" => return Ok(result(&parse_result(path, &text)?)),
+        "posture-model" => return model(path),
+        "unfinished" => {
+            let kept = Checkpoint::read(path)?;
+            return Ok(Explained::new("an interrupted run").saying(unfinished_words(&kept)));
+        }
+        "score" => {
+            return Ok(Explained::new("scores of a motion, written by `ergopath score`")
+                .saying(format!("program version {}", value["program_version"])));
+        }
+        _ if value.get("joint_names").is_some() => return trajectory(path),
+        _ => {}
+    }
+    let message = format!("has schema `{schema}`, which ergopath does not know");
+    Err(InputError::new(path, message).remedy(KNOWN))
+}
+
+fn result(r: &crate::planner::RunResult) -> Explained {
+    let p = &r.provenance;
+    let feasible = r.candidates.iter().filter(|c| c.status == Status::Feasible).count();
+    let mut explained = Explained::new("a finished run")
+        .saying(format!("{}: {}", r.setting.name, r.verdict.headline))
+        .saying(format!("{} paths, {feasible} of them feasible", r.candidates.len()))
+        .saying(format!("made by: {} (ergopath {})", p.command, p.program_version));
+    for (name, hash) in &p.inputs {
+        explained =
+            explained.saying(format!("input {name}: SHA-256 {}…", &hash[..hash.len().min(16)]));
+    }
+    explained.mind.extend(r.verdict.caveat.clone());
+    explained.mind.extend(r.warnings.iter().cloned());
+    explained
+}
+
+fn model(path: &Path) -> Result<Explained, InputError> {
+    let (model, _) = load_model(&path.display().to_string(), Path::new(""))?;
+    let p = &model.provenance;
+    let mut explained = Explained::new(format!("a posture model, `{}`", model.name))
+        .saying(format!(
+            "method {}, {} arm, {} joints; learned on body `{}` ({}, {} m, {} kg)",
+            model.method.name(),
+            model.side.prefix().to_lowercase(),
+            model.joints.len(),
+            p.body.0,
+            model.size.sex,
+            model.size.stature_m,
+            model.size.mass_kg
+        ))
+        .saying(format!(
+            "from {}",
+            p.recordings.iter().map(|(n, _)| n.as_str()).collect::<Vec<_>>().join(", ")
+        ));
+    let groups: Vec<String> = model
+        .weight_by_group()
+        .iter()
+        .map(|(group, share)| format!("{group} {:.0} %", 100.0 * share))
+        .collect();
+    explained = explained.saying(format!("who moves: {}", groups.join(", ")));
+    if let Some(own) = model.quality.iter().find(|q| q.method == model.method) {
+        let path = own.path_error_deg.map_or_else(String::new, |(_, with)| {
+            format!(", {with:.1} deg joint error along held-out paths")
+        });
+        explained = explained.saying(format!(
+            "on held-out movement: error {:.2} of the rms joint speed{path}",
+            own.relative_rmse
+        ));
+    }
+    if p.simulated {
+        explained
+            .mind
+            .push("made from a simulated operator: a demonstration, not your workers".into());
+    }
+    explained.mind.extend(p.notes.iter().cloned());
+    Ok(explained)
+}
+
+fn body(body: &Body) -> Explained {
+    Explained::new(format!("a body, `{}`", body.name))
+        .saying(format!(
+            "{}, stature {} m, mass {} kg",
+            body.size.sex, body.size.stature_m, body.size.mass_kg
+        ))
+        .saying(format!("hips {:.3} m above the floor barefoot", body.standing_pelvis_height_m))
+        .saying(format!(
+            "{} links, {} joints, {} bounds on sums of joints",
+            body.model.links.len(),
+            body.model.joints.len(),
+            body.sums.len()
+        ))
+}
+
+fn urdf(path: &Path) -> Result<Explained, InputError> {
+    let model = read_urdf(path)?;
+    let is_body = [Side::Right, Side::Left].iter().all(|s| model.link_index(s.grip()).is_some());
+    if is_body {
+        return Ok(self::body(&Body::read(path)?));
+    }
+    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
+    let names: Vec<&str> = moving.map(|j| j.name.as_str()).collect();
+    let parents: Vec<usize> = model.joints.iter().map(|j| j.parent).collect();
+    let tips: Vec<&str> = (0..model.links.len())
+        .filter(|i| !parents.contains(i))
+        .map(|i| model.links[i].name.as_str())
+        .collect();
+    let mut explained = Explained::new("a chain of links (URDF), no body of ergopath")
+        .saying(format!(
+            "{} links from `{}`; ends: {}",
+            model.links.len(),
+            model.root(),
+            tips.join(", ")
+        ))
+        .saying(format!("{} joints that move: {}", names.len(), names.join(", ")));
+    for j in &model.joints {
+        if j.kind != JointKind::Fixed && j.mimic.is_none() && j.velocity.is_infinite() {
+            explained.mind.push(format!("joint `{}` has no velocity limit", j.name));
+        }
+    }
+    explained.mind.extend(model.warnings.iter().cloned());
+    Ok(explained)
+}
+
+fn recording(r: &Recording) -> Explained {
+    let mut explained = Explained::new(format!("a recording ({})", r.format))
+        .saying(format!(
+            "{} frames at {} Hz: {:.1} s of one person",
+            r.frames(),
+            r.rate_hz,
+            r.frames() as f64 / r.rate_hz
+        ))
+        .saying(format!(
+            "{} segments: {}",
+            r.segments.len(),
+            r.segments.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ")
+        ));
+    explained.mind.extend(r.notes.iter().cloned());
+    explained
+}
+
+fn trajectory(path: &Path) -> Result<Explained, InputError> {
+    let text = read_text(path)?;
+    let is_json = path.extension().is_some_and(|x| x.eq_ignore_ascii_case("json"));
+    let fault = |e: String| {
+        InputError::new(path, format!("is no JointTrajectory: {e}")).remedy(
+            "joint_names, and points with positions and time_from_start, as ROS writes them",
+        )
+    };
+    let t: JointTrajectory = if is_json {
+        serde_json::from_str(&text).map_err(|e| fault(e.to_string()))?
+    } else {
+        serde_saphyr::from_str(&text).map_err(|e| fault(e.to_string()))?
+    };
+    let end = t.points.last().map_or(0.0, |p| p.time_from_start.seconds());
+    let mut explained = Explained::new("the motion of a robot (ROS JointTrajectory)")
+        .saying(format!("{} points over {end:.2} s", t.points.len()))
+        .saying(format!("joints: {}", t.joint_names.join(", ")));
+    let fits = |name: &&&str| Robot::preset(name).is_ok_and(|r| t.postures(&r).is_ok());
+    match PRESETS.iter().find(fits) {
+        Some(name) => {
+            let robot = Robot::preset(name)?;
+            let broken: Vec<String> = t
+                .check(&robot)
+                .into_iter()
+                .filter(|m| !m.is_kept())
+                .map(|m| format!("joint `{}` of {name} leaves its limits between the points", m.joint))
+                .collect();
+            explained = explained.saying(format!("the joints are those of the preset `{name}`"));
+            explained.mind.extend(broken);
+        }
+        None => explained.mind.push(
+            "the joints are of no preset: whether it keeps a robot's limits is seen with a scenario (`ergopath assess`)"
+                .into(),
+        ),
+    }
+    Ok(explained)
+}

@@ -1,0 +1,61 @@
+//! `ergopath schema`: JSON Schemas of the files that people write, for editors.
+
+use super::{Failure, Outcome};
+use crate::files::{InputError, write_whole};
+use crate::planner::planner_schema;
+use crate::scenario::scenario_schema;
+use clap::ValueEnum;
+use std::path::PathBuf;
+
+/// Arguments of `schema`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Which file; without it all of them, to a folder.
+    kind: Option<Kind>,
+    /// Folder to write KIND.schema.json to; without it the schema is printed.
+    #[arg(short, long, value_name = "DIR", required_unless_present = "kind")]
+    output: Option<PathBuf>,
+}
+
+/// Files that people write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// A workstation (TOML).
+    Scenario,
+    /// A planner's settings (TOML).
+    Planner,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Scenario => "scenario",
+            Self::Planner => "planner",
+        }
+    }
+
+    fn text(self) -> Result<String, InputError> {
+        let schema = match self {
+            Self::Scenario => scenario_schema(),
+            Self::Planner => planner_schema(),
+        };
+        let text = serde_json::to_string_pretty(&schema);
+        Ok(text.map_err(|e| InputError::new(self.name(), e.to_string()))? + "\n")
+    }
+}
+
+/// Prints or writes.
+pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+    let kinds = args.kind.map_or_else(|| Kind::value_variants().to_vec(), |k| vec![k]);
+    for kind in kinds {
+        let text = kind.text()?;
+        if let Some(folder) = &args.output {
+            let path = folder.join(format!("{}.schema.json", kind.name()));
+            write_whole(&path, text.as_bytes())?;
+            say!("{}", path.display());
+        } else {
+            say!("{}", text.trim_end());
+        }
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,79 @@
+//! Which optional keys a scenario leaves out, and what holds then.
+
+use toml::Table;
+
+/// Table (empty: the top), key, and what holds without it. Limits of the TCP are listed by
+/// [`super::Scenario::assumed_limits`].
+const OPTIONAL: [(&str, &str, &str); 19] = [
+    ("", "seed", "0"),
+    ("", "score_profile", "vignais2017"),
+    ("", "workspace", "none: the TCP may go anywhere within the other limits"),
+    ("", "obstacle", "none: nothing to run into"),
+    ("worker", "side", "right"),
+    ("worker", "stance", "standing"),
+    ("worker", "shoe_m", "0.03 m"),
+    ("worker", "start_posture", "sampled from the person's own"),
+    ("worker", "neck", "in line with the trunk"),
+    ("worker", "other_arm", "unknown, so not scored"),
+    ("worker", "trunk_supported", "no"),
+    ("worker", "arm_supported", "no"),
+    ("task", "part_mass_kg", "0 kg"),
+    ("task", "human_load_share", "1: the worker carries all of the part"),
+    ("task", "extra_load_kg", "0 kg"),
+    ("task", "cycles_per_min", "not known: muscle use is shown for both cases"),
+    ("task", "hold_s", "not known: muscle use is shown for both cases"),
+    ("task", "shock", "no"),
+    ("task", "coupling", "good"),
+];
+
+/// "key = what holds" for every optional key that the text of a scenario leaves out.
+pub fn defaults_in_force(text: &str) -> Vec<String> {
+    let Ok(file) = text.parse::<Table>() else { return Vec::new() };
+    let has = |table: &str, key: &str| match table {
+        "" => file.contains_key(key),
+        _ => file.get(table).and_then(|t| t.get(key)).is_some(),
+    };
+    let is_seated = file.get("worker").and_then(|w| w.get("stance")?.as_str()) == Some("seated");
+    OPTIONAL
+        .iter()
+        .filter(|(table, key, _)| !has(table, key))
+        // Who sits, sits with or without shoes.
+        .filter(|(_, key, _)| !is_seated || *key != "shoe_m")
+        .map(|(table, key, words)| {
+            let dot = if table.is_empty() { "" } else { "." };
+            format!("{table}{dot}{key}: {words}")
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ergonomics::Profile;
+    use crate::scenario::scenario_schema;
+
+    #[test]
+    fn every_key_is_one_of_the_format_and_optional() {
+        let schema = scenario_schema();
+        for (table, key, _) in OPTIONAL {
+            let place = match table {
+                "" => schema.clone(),
+                "worker" => schema["definitions"]["WorkerFile"].clone(),
+                _ => schema["definitions"]["TaskFile"].clone(),
+            };
+            assert!(place["properties"].get(key).is_some(), "{table} {key}");
+            let required = place["required"].as_array().cloned().unwrap_or_default();
+            assert!(!required.iter().any(|r| r == key), "{table} {key}");
+        }
+        let profile = OPTIONAL.iter().find(|o| o.1 == "score_profile").unwrap();
+        assert_eq!(profile.2, Profile::default().name);
+    }
+
+    #[test]
+    fn what_is_given_is_not_listed() {
+        let all = defaults_in_force("seed = 3\n[worker]\nstance = \"seated\"\n");
+        assert!(!all.iter().any(|l| l.starts_with("seed") || l.contains("stance")));
+        assert!(!all.iter().any(|l| l.contains("shoe_m")));
+        assert!(all.contains(&"worker.side: right".to_owned()), "{all:?}");
+    }
+}
