@@ -1,9 +1,7 @@
 //! From joint angles to body angles and their scores: fills the worksheets from forward kinematics.
 
-mod figure;
 mod whole;
 
-pub use figure::Figure;
 pub use whole::{WholePosture, WholeSurveyor};
 
 use crate::ergonomics::Side as ScoreSide;
@@ -97,7 +95,6 @@ pub struct Surveyor {
     upper: Measured,
     /// All segments, for drawings.
     whole: Skeleton,
-    flesh: figure::Flesh,
     pelvis: Pose,
     side: Side,
     is_seated: bool,
@@ -166,32 +163,12 @@ fn whole_posture(skeleton: &Skeleton, side: Side, q: &DVector<f64>) -> Vec<f64> 
     all
 }
 
-/// All segments of the posture `q` of the coupled chain, legs as the stance has them.
-fn posed_whole<'a>(
-    skeleton: &'a Skeleton,
-    side: Side,
-    is_seated: bool,
-    q: &DVector<f64>,
-) -> PosedSkeleton<'a> {
-    let mut all = whole_posture(skeleton, side, q);
-    if is_seated {
-        // Thighs level, shanks upright: legs are not predicted, only drawn.
-        for (joint, angle) in SEATED_LEGS {
-            if let Some(c) = skeleton.column(joint) {
-                all[c] = angle;
-            }
-        }
-    }
-    skeleton.pose(&all)
-}
-
 impl Surveyor {
     /// For a body whose pelvis is at `pelvis` in the world.
     pub fn new(body: &Body, side: Side, pelvis: Pose, stance: Stance) -> Result<Self, InputError> {
         let whole = Skeleton::new(body, side, true)?;
         let is_seated = matches!(stance, Stance::Seated { .. });
-        let flesh = figure::Flesh::of(body, &whole);
-        Ok(Self { upper: Measured::new(body, side, false)?, whole, flesh, pelvis, side, is_seated })
+        Ok(Self { upper: Measured::new(body, side, false)?, whole, pelvis, side, is_seated })
     }
 
     /// Body angles of the posture `q` (n joints of the coupled chain, rad).
@@ -231,7 +208,16 @@ impl Surveyor {
 
     /// The same with the pelvis elsewhere.
     pub fn bones_at(&self, pelvis: &Pose, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
-        let posed = posed_whole(&self.whole, self.side, self.is_seated, q);
+        let mut all = whole_posture(&self.whole, self.side, q);
+        if self.is_seated {
+            // Thighs level, shanks upright: legs are not predicted, only drawn.
+            for (joint, angle) in SEATED_LEGS {
+                if let Some(c) = self.whole.column(joint) {
+                    all[c] = angle;
+                }
+            }
+        }
+        let posed = self.whole.pose(&all);
         let at =
             |name: &str| -> [f64; 3] { (pelvis * posed.segment(name)).translation.vector.into() };
         let mut bones: Vec<[[f64; 3]; 2]> =

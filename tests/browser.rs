@@ -268,7 +268,7 @@ fn keep_pictures(page: &Session, width: u32) {
         |name: &str, bytes: Vec<u8>| std::fs::write(Path::new(&folder).join(name), bytes).unwrap();
     scrub(page, 60);
     keep(&format!("scene_{width}.png"), page.png("#scene", 0.75));
-    keep(&format!("page_{width}.png"), page.png("body", 0.4));
+    keep(&format!("page_{width}.png"), page.png("body", 0.25));
 }
 
 fn print_cuts_nothing(page: &Session) {
@@ -305,5 +305,7 @@ fn it_can_be_read_without_scripts(page: &Session, report: &Path) {
     assert!(!text.contains("being made"), "no promise that nobody keeps");
     assert!(!page.get::<bool>("document.getElementById('scene-box').checkVisibility()"));
     assert_eq!(page.get::<u32>("document.querySelectorAll('thead button').length"), 0);
-    assert_eq!(page.get::<u32>("document.querySelectorAll('main img').length"), 4);
+    let drawn = "[...document.querySelectorAll('main img')].map((i) => i.naturalWidth)";
+    let widths: Vec<u32> = page.get(drawn);
+    assert!(widths.len() >= 4 && widths.iter().all(|w| *w > 100), "{widths:?}");
 }

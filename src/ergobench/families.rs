@@ -135,7 +135,8 @@ fn round(x: f64) -> f64 {
 const SEAT_M: f64 = 0.45;
 
 impl Station {
-    /// The scenario file, for a body and a posture model by name.
+    /// The scenario file, for a body and a posture model by name. Room between robot and person is not
+    /// asked for: the robot stands where it does without regard to it.
     pub fn scenario(&self, body: &str, model: &str, seed: u64) -> String {
         let is_seated = self.family == Family::SeatedTable;
         let stance = if is_seated {
@@ -151,7 +152,7 @@ impl Station {
              [robot]\npreset = \"panda\"\nbase = {{ position_m = [0.85, 0.0, {}], rpy_deg = [0, 0, 180] }}\n\n\
              [start]\nposition_m = {start}\nrpy_deg = [180, 0, 0]\n\n[goal]\nposition_m = {goal}\n\
              rpy_deg = [180, 0, 0]\n\n[motion]\nduration_s = 4.0\n\n[workspace]\nmin_m = [0.22, -0.70, 0.25]\n\
-             max_m = [0.80, 0.60, 1.75]\n\n[limits]\nspeed_m_s = 0.6\n\n[task]\npart_mass_kg = {}\n\
+             max_m = [0.80, 0.60, 1.75]\n\n[limits]\nspeed_m_s = 0.6\nperson_clearance_share = 1.0\n\n[task]\npart_mass_kg = {}\n\
              human_load_share = 1.0\ncycles_per_min = 3\nhold_s = 0\ncoupling = \"good\"\n",
             self.name,
             self.family.name(),

@@ -47,7 +47,7 @@ pub(super) struct Person<'a> {
     coupling: Coupling,
     body: &'a Body,
     pub(super) surveyor: Surveyor,
-    envelope: Envelope,
+    pub(super) envelope: Envelope,
     sampler: Sampler<'a>,
     /// Posterior functions of the people of a (seed, block): all candidates meet the same people.
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,

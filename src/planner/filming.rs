@@ -7,6 +7,7 @@ use super::result::CandidateResult;
 use super::scene::{
     Points, Scene, SceneMotion, SceneObstacle, ScenePeople, SceneRobot, SceneShape, Walker, joined,
 };
+use crate::human::EnvelopeScratch;
 use crate::math::{Pose, Vec3};
 use crate::robot::{Obstacle, Robot, capsules, stick};
 use crate::scenario::Scenario;
@@ -123,15 +124,23 @@ impl Filming<'_> {
     fn people(&self, walks: &Walks, rula: &[f64]) -> ScenePeople {
         let typical = self.typical(&walks.all);
         let shown: Vec<usize> = typical.into_iter().chain(self.ghosts(&walks.all, rula)).collect();
-        let figure = self.person.surveyor.figure();
+        let envelope = &self.person.envelope;
+        let mut scratch = EnvelopeScratch::default();
+        let mut place = |q: &DVector<f64>| -> Vec<Vec3> {
+            let mut ends = Vec::new();
+            envelope.place(&self.pelvis, q.as_slice(), &mut scratch, &mut ends);
+            ends.into_iter().flatten().collect()
+        };
         let points: Vec<Points> = shown
             .iter()
             .map(|&r| {
-                let at = |&k: &usize| figure.place(&self.pelvis, &walks.all[r].rollout.q[k]);
-                Points::of(&self.reached(&walks.all[r]).iter().map(at).collect::<Vec<_>>())
+                let walk = &walks.all[r];
+                let moments = self.reached(walk).iter().map(|&k| place(&walk.rollout.q[k]));
+                Points::of(&moments.collect::<Vec<_>>())
             })
             .collect();
-        let (capsules, tracks) = joined(&points, figure.radii_m());
+        let radii: Vec<f64> = envelope.parts().iter().map(|p| p.radius_m).collect();
+        let (capsules, tracks) = joined(&points, &radii);
         let mut walkers = shown.iter().zip(tracks).map(|(&rollout, track)| {
             let walk = &walks.all[rollout];
             let scores = self.reached(walk).iter().map(|&k| walk.angles[k].score(self.lens));

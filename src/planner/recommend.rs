@@ -1,14 +1,16 @@
 //! What would lower the score of the best path: small changes of where the worker stands, of the
 //! handle and of the load, each tried on the same people.
 //!
-//! Path and robot stay as they are, so that a change needs no new plan; the hand's reach is part of
-//! the figures, the room between person and robot is not looked at again.
+//! Path and robot stay as they are, so that a change needs no new plan. The hand's reach is part of
+//! the figures, and a change that brings people too near to the robot is left out.
 
 use super::evaluate::Person;
+use super::near::Care;
 use super::objective::Figures;
 use super::pipeline::Environment;
 use super::prepare::Prepared;
 use super::result::{Recommendation, Recommendations};
+use super::search::near;
 use crate::ergonomics::paired_difference;
 use crate::human::Stance;
 use crate::math::stats::mean;
@@ -42,10 +44,20 @@ impl Environment<'_> {
         let nothing = Recommendations { tried: 0, people: 0, clear: Vec::new() };
         let Some(path) = &prepared.path else { return nothing };
         let people = PEOPLE.min(self.preset.rollouts_final);
+        let robot = self.workshop.robot_of(&prepared.variant);
+        let arm = prepared.arm(&robot, Care::Selection);
         let figures = |variant: &Variant, load_share: f64| {
             let mut lens: Lens = self.lens.clone();
             lens.task.load_kg *= load_share;
-            Figures::of(&person.walk(path, variant, (self.seed, BLOCK), 0..people), &lens)
+            let walks = person.walk(path, variant, (self.seed, BLOCK), 0..people);
+            let there = Prepared { variant: variant.clone(), ..prepared.clone() };
+            let (near_m, _) = near(person, &walks, &(0..people), (arm.as_ref(), &there));
+            Figures { near_m, ..Figures::of(&walks, &lens) }
+        };
+        let margin = &self.scenario.person_margin;
+        let is_too_near = |f: &Figures| {
+            let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64;
+            below > margin.share * f.near_m.len() as f64
         };
         let now = figures(&prepared.variant, 1.0);
         let all = self.changes(&prepared.variant);
@@ -53,7 +65,8 @@ impl Environment<'_> {
         for t in &all {
             let then = figures(&t.variant, t.load_share);
             let rula = paired_difference(&then.rula, &now.rula);
-            if !rula.clear || rula.mean > -LEAST_GAIN || mean(&then.lost) > mean(&now.lost) {
+            let is_worse = mean(&then.lost) > mean(&now.lost) || is_too_near(&then);
+            if !rula.clear || rula.mean > -LEAST_GAIN || is_worse {
                 continue;
             }
             let found = Recommendation {

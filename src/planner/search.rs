@@ -335,7 +335,7 @@ impl Environment<'_> {
 }
 
 /// Least distances of one person's walks to the arm, m, and the least of all with what is there.
-fn near(
+pub(super) fn near(
     person: &Person,
     walks: &Walks,
     people: &std::ops::Range<usize>,

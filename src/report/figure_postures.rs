@@ -78,7 +78,8 @@ fn column(sheet: &Sheet, moment: &Moment, look: Look, (left, right): (f64, f64))
     for (i, (name, deg)) in moment.angles_deg.iter().enumerate() {
         let y = TOP + 20.0 + 36.0 * i as f64;
         sheet.text(name, (text, y), Type::plain(18.0), Anchor::Left)?;
-        let value = format!("{deg:.0}\u{b0}").replace('-', "\u{2212}");
+        // No minus before a zero.
+        let value = format!("{:.0}\u{b0}", deg.round() + 0.0).replace('-', "\u{2212}");
         sheet.text(&value, (right, y), Type::bold(TICK), Anchor::Right)?;
     }
     Ok(())

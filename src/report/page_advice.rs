@@ -18,6 +18,9 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
              are nearest to the mean of all at that moment. Held: trunk and arm move less than 7.5\u{b0} from \
              where they were and slower than 10\u{b0}/s.",
         ))
+        @if moments.iter().all(|m| m.held_s.is_none()) {
+            p.note { "No posture is held along this path: trunk and arm never rest." }
+        }
         div.scroll tabindex="0" role="region" aria-label="Postures" {
             table {
                 thead { tr {
@@ -29,7 +32,7 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
                     @for (i, name) in names.iter().enumerate() {
                         tr {
                             th scope="row" { (name) }
-                            @for m in moments { td.n { (m.angles_deg.get(i).map_or_else(String::new, |a| format!("{:.0}", a.1))) } }
+                            @for m in moments { td.n { (m.angles_deg.get(i).map_or_else(String::new, |a| format!("{:.0}", a.1.round() + 0.0))) } }
                         }
                     }
                 }
@@ -67,7 +70,8 @@ pub(super) fn recommendations(view: &View) -> Markup {
         }
         p.note {
             "Each change alone, with path and robot as they are and the same simulated people. The hand's reach is \
-             part of the figures; whether there is room for the change, and between robot and person, is for you to look at. Leave the \
+             part of the figures, and changes that bring people too near to the robot are left out; whether the cell has room is for you to \
+             look at. Leave the \
              planner free to choose (" code { "[free]" } ") to plan anew with several changes at once."
         }
     }
