@@ -27,6 +27,36 @@
 //! bench:  ergobench draws stations and people, trains, plans, and judges by the people's truth
 //! ```
 //!
+//! # From a program
+//!
+//! A posture by its RULA score:
+//!
+//! ```
+//! use ergopath::ergonomics::{Profile, Worksheet, rula};
+//!
+//! let posture = Worksheet { trunk_flex_deg: 30.0, elbow_flex_deg: 80.0, ..Worksheet::default() };
+//! assert_eq!(rula(&posture, &Profile::default()).trunk, 3);
+//! ```
+//!
+//! A scenario by its best path, and how sure that is:
+//!
+//! ```
+//! use ergopath::planner::{Request, load_preset, plan};
+//! use ergopath::scenario::read_scenario;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scenario = read_scenario("scenarios/bench_pick_and_place.toml".as_ref())?;
+//! let preset = load_preset("quick")?;
+//! let request =
+//!     Request { command: String::new(), seed: 0, preset, keeps_rollouts: false, resume: None };
+//! let result = plan(&scenario, &request, &|_step| true)?;
+//! let best = result.verdict.best.as_deref().ok_or("no path keeps all limits")?;
+//! let path = result.candidates.iter().find(|c| c.id == best).ok_or("the best is listed")?;
+//! let rula = &path.bodies[0].rula;
+//! assert!(rula.p05 <= rula.expected && rula.expected <= rula.p95);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Conventions
 //!
 //! SI units and radians inside; degrees appear only at the edge, in names that end in `_deg`.

@@ -8,7 +8,7 @@ use super::value_axis::{Axis, EXACT, method_color};
 use crate::math::stats::quantile;
 
 /// Width of the figure, px.
-const WIDTH: f64 = 1400.0;
+const WIDTH: f64 = 1600.0;
 /// Height of a panel and of what stands above and below it, px.
 const HEIGHT: (f64, f64, f64) = (380.0, 72.0, 78.0);
 /// Room for tick labels at a panel's left, and free room at its right, px.

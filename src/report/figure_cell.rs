@@ -119,7 +119,7 @@ fn measures(sheet: &Sheet, look: &CellLook, way: Look, panel: &Panel) -> Drawn {
     let s = &look.setting;
     let [x, y] = look.worker_at_m;
     match way {
-        Look::Side(_) => {
+        Look::Side(_) | Look::Front(_) => {
             for p in [s.start_m, s.goal_m, look.base_m] {
                 let [along, height] = way.flat(p);
                 measure(sheet, panel, [along, 0.0], [along, height])?;

@@ -5,8 +5,10 @@ use super::panel::{Panel, Words};
 use super::sheet::{Anchor, Drawn, Sheet, Type, png};
 use super::style::{BLUE, GRID, INK, MUTED, Pen, Stroke, TICK};
 
-/// Width of a panel with its labels, height of a row, room above and below a panel, px.
+/// Least width of a panel with its labels and of a figure, height of a row, room above and below a
+/// panel, px.
 const WIDE: f64 = 640.0;
+const LEAST: f64 = 1600.0;
 const ROW: f64 = 40.0;
 const ROOM: (f64, f64) = (72.0, 84.0);
 /// Room for the labels at the left, free room at the right, px.
@@ -48,12 +50,13 @@ pub fn forest_plots(panels: &[ForestPanel], key: &str) -> Result<Vec<u8>, Report
     let high = ROOM.0 + ROW * lines as f64 + ROOM.1;
     let height = high * panels.len().div_ceil(columns).max(1) as f64 + 44.0;
     let range = range(panels);
-    png("forest", ((WIDE * columns as f64) as u32, height as u32), |sheet| {
+    let wide = WIDE.max(LEAST / columns as f64);
+    png("forest", ((wide * columns as f64) as u32, height as u32), |sheet| {
         for (i, panel) in panels.iter().enumerate() {
-            let left = WIDE * (i % columns) as f64;
+            let left = wide * (i % columns) as f64;
             let top = high * (i / columns) as f64 + ROOM.0;
             let on = Panel {
-                x_px: (left + SIDES.0, left + WIDE - SIDES.1),
+                x_px: (left + SIDES.0, left + wide - SIDES.1),
                 y_px: (top, top + ROW * lines as f64),
                 x: range,
                 y: (lines as f64, 0.0),

@@ -1,4 +1,4 @@
-//! Figure: the paths with person, robot and obstacles, from the side and from above.
+//! Figure: the paths with person, robot and obstacles, from the side, the front and above.
 
 use super::ReportError;
 use super::panel::{Key, Panel, Words, legend};
@@ -10,7 +10,10 @@ use super::view::View;
 use crate::planner::{CandidateResult, PosePicture, Setting};
 use plotters::style::RGBColor;
 
-const SIZE: (u32, u32) = (1600, 1110);
+const SIZE: (u32, u32) = (1600, 900);
+/// Room for numbers at a panel's left, free room at the right end, px.
+const LEFT: f64 = 112.0;
+const RIGHT: f64 = 26.0;
 /// Room around what is drawn, m.
 const ROOM_M: f64 = 0.12;
 const PERSON: RGBColor = RGBColor(60, 68, 82);
@@ -20,6 +23,8 @@ const ROBOT: RGBColor = RGBColor(0, 120, 88);
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Look {
     Side([f64; 2]),
+    /// Towards the worker, whose left is at the right.
+    Front([f64; 2]),
     Top,
 }
 
@@ -28,6 +33,7 @@ impl Look {
     pub(super) fn flat(self, p: [f64; 3]) -> [f64; 2] {
         match self {
             Self::Side([fx, fy]) => [fx * p[0] + fy * p[1], p[2]],
+            Self::Front([fx, fy]) => [fx * p[1] - fy * p[0], p[2]],
             Self::Top => [p[0], p[1]],
         }
     }
@@ -56,25 +62,34 @@ pub(super) fn paths(view: &View) -> Result<Vec<u8>, ReportError> {
         let keys = keys(view);
         let took = legend(sheet, (110.0, 36.0), 1440.0, &keys)?;
         let y_px = (took + 76.0, f64::from(SIZE.1) - 84.0);
-        let side = Look::Side(view.result.setting.facing);
-        let looks = [(side, (110.0, 780.0)), (Look::Top, (900.0, 1570.0))];
-        let mut panels = looks.map(|(look, x_px)| {
-            let (low, high) = shown(view, look);
-            Panel { x_px, y_px, x: (low[0], high[0]), y: (low[1], high[1]) }
-        });
+        let facing = view.result.setting.facing;
+        let looks = [Look::Side(facing), Look::Front(facing), Look::Top];
+        let ranges = looks.map(|look| shown(view, look));
+        // The widths share the sheet as the views share the metres, so that one scale fits all.
+        let wide = ranges.map(|(low, high)| high[0] - low[0]);
+        let room = f64::from(SIZE.0) - 3.0 * LEFT - RIGHT;
+        let mut left = 0.0;
+        let mut panels = Vec::new();
+        for ((low, high), wide_m) in ranges.into_iter().zip(wide) {
+            let across = room * wide_m / wide.iter().sum::<f64>();
+            let x_px = (left + LEFT, left + LEFT + across);
+            panels.push(Panel { x_px, y_px, x: (low[0], high[0]), y: (low[1], high[1]) });
+            left = x_px.1;
+        }
         let scale = panels.iter().map(Panel::px_per_unit).fold(f64::INFINITY, f64::min);
-        panels = panels.map(|p| p.equalised(scale));
+        let panels = panels.into_iter().map(|p| p.equalised(scale));
         let [fx, fy] = view.result.setting.facing;
-        let along = if fy.abs() < 1e-9 && fx > 0.0 {
-            "x, the worker's forward direction (m)"
+        let [along, across] = if fy.abs() < 1e-9 && fx > 0.0 {
+            ["x, worker's forward (m)", "y, worker's left (m)"]
         } else {
-            "distance along the worker's forward direction (m)"
+            ["worker's forward (m)", "worker's left (m)"]
         };
         let words = [
             Words { title: "From the side", x: along, y: "height z (m)" },
+            Words { title: "From the front", x: across, y: "height z (m)" },
             Words { title: "From above", x: "x (m)", y: "y (m)" },
         ];
-        for (((look, _), panel), words) in looks.into_iter().zip(panels).zip(words) {
+        for ((look, panel), words) in looks.into_iter().zip(panels).zip(words) {
             draw(sheet, view, look, &panel)?;
             panel.axes(sheet, words, &panel.y_ticks())?;
         }
@@ -217,7 +232,7 @@ pub(super) fn ground(sheet: &Sheet, setting: &Setting, look: Look, panel: &Panel
             }
         }
     }
-    if matches!(look, Look::Side(_)) && panel.y.0 < 0.0 {
+    if !matches!(look, Look::Top) && panel.y.0 < 0.0 {
         let floor = Pen { color: MUTED, width: 2.0, stroke: Stroke::Solid };
         sheet.line(&[panel.at(panel.x.0, 0.0), panel.at(panel.x.1, 0.0)], floor)?;
     }

@@ -287,7 +287,7 @@ fn paths(view: &View, figures: &Figures) -> Markup {
     };
     figure(
         &figures.paths,
-        "Paths from the side and from above, with the person and the robot as stick figures at start and goal.",
+        "Paths from the side, from the front and from above, with the person and the robot as stick figures at start and goal.",
         caption,
     )
 }
