@@ -86,6 +86,7 @@ fn what_is_no_result_is_refused() {
     refused(&text[..text.len() / 2], "cut off");
     refused("{\"schema\": \"ergopath/result/9\"}", "ergopath/result/9");
     refused("{}", "has no schema");
+    refused("{\"schema\": \"ergopath/result/1\"}", "not as this version of ergopath writes it");
     refused("[1, 2]", "is not a result");
     assert_refused(ergopath().arg("report").arg(room.path()), "is a folder without result.json");
     assert_refused(ergopath().arg("report").arg("nowhere"), "no such file");

@@ -402,7 +402,6 @@ pub(super) fn not_modelled(scenario: &Scenario) -> Vec<String> {
             .to_owned(),
         "fatigue and recovery over a shift; scores are per frame of one movement".to_owned(),
         "safety: nothing here certifies conformity with ISO 10218, ISO/TS 15066 or any other standard".to_owned(),
-        "a drawn via-point path with a pause: all movements here run from rest to rest in one go".to_owned(),
     ];
     if scenario.worker.other_arm == OtherArm::Unknown {
         all.push("the other arm: unknown, not scored".to_owned());

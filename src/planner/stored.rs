@@ -57,7 +57,12 @@ pub fn parse_result(path: &Path, text: &str) -> Result<RunResult, InputError> {
             return Err(InputError::new(path, message).remedy(REMEDY));
         }
     }
-    let mut result: RunResult = serde_json::from_str(text).map_err(broken)?;
+    let incomplete = |e: serde_json::Error| {
+        let message = format!("is a result, but not as this version of ergopath writes it: {e}");
+        InputError::new(path, message)
+            .remedy("make the run again with this program, or read it with the one that wrote it")
+    };
+    let mut result: RunResult = serde_json::from_str(text).map_err(incomplete)?;
     for path in result.candidates.iter_mut().filter_map(|c| c.path.as_mut()) {
         if path.robot_q.len() == path.time_s.len() && !path.robot_q.is_empty() {
             let names = path.robot_joints.clone();
