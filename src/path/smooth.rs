@@ -6,6 +6,7 @@
 //! The orientation turns from start to goal about one fixed axis by the minimum-jerk law, with what
 //! [`Turning`] adds.
 
+use super::spline::ClampedSpline;
 use super::turning::Turning;
 use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3, Vec6};
@@ -31,8 +32,8 @@ pub struct SmoothPath {
     pub rotation: UnitQuaternion<f64>,
     /// Rotation vector from the start to the goal, rad.
     pub turn: Vec3,
-    /// How it is gone along.
-    pub turning: Turning,
+    /// Where it rests on its way and how the tool turns besides, if it does.
+    pub turning: Option<Box<Turning>>,
 }
 
 impl SmoothPath {
@@ -49,7 +50,7 @@ impl SmoothPath {
             jerk,
             rotation: start.rotation,
             turn: rotation_between(&start.rotation, &goal.rotation),
-            turning: Turning::default(),
+            turning: None,
         };
         for j in &path.jerk {
             p += (v + (a / 2.0 + j * (h / 6.0)) * h) * h;
@@ -85,11 +86,20 @@ impl SmoothPath {
         ]
     }
 
+    /// Share of the way and its rate (1/s) at time `t` (s).
+    fn phase_at(&self, t: f64) -> [f64; 2] {
+        phase(t, self.duration_s(), self.turning.as_ref().and_then(|t| t.pause))
+    }
+
+    fn sway(&self) -> Option<&ClampedSpline> {
+        self.turning.as_ref().and_then(|t| t.sway.as_ref())
+    }
+
     /// Pose at time `t` (s), clamped to the path.
     pub fn pose_at(&self, t: f64) -> Pose {
-        let [s, _] = phase(t, self.duration_s(), self.turning.pause);
+        let [s, _] = self.phase_at(t);
         let mut rotation = UnitQuaternion::from_scaled_axis(self.turn * s) * self.rotation;
-        if let Some(sway) = &self.turning.sway {
+        if let Some(sway) = self.sway() {
             rotation *= UnitQuaternion::from_scaled_axis(sway.position(s));
         }
         Pose::from_parts(self.state_at(t)[0].into(), rotation)
@@ -104,9 +114,9 @@ impl SmoothPath {
 
     /// Angular velocity (rad/s) at time `t` (s), world axes.
     fn angular_at(&self, t: f64) -> Vec3 {
-        let [s, rate] = phase(t, self.duration_s(), self.turning.pause);
+        let [s, rate] = self.phase_at(t);
         let mut angular = self.turn * rate;
-        if let Some(sway) = &self.turning.sway {
+        if let Some(sway) = self.sway() {
             let before = UnitQuaternion::from_scaled_axis(self.turn * s) * self.rotation;
             angular += before * left_jacobian(&sway.position(s), &(sway.slope(s) * rate));
         }

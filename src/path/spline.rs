@@ -52,6 +52,7 @@ impl ClampedSpline {
     }
 
     /// The same curve, `factor` times as large.
+    #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let of = |list: &[Vec3]| list.iter().map(|v| v * factor).collect();
         Self { knots: self.knots.clone(), points: of(&self.points), slopes: of(&self.slopes) }

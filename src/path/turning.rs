@@ -54,18 +54,21 @@ impl SmoothPath {
     /// the positions.
     pub(super) fn gone(mut self, turning: Option<&Turning>, limits: &PathLimits) -> Self {
         let Some(turning) = turning else { return self };
-        self.turning = turning.clone();
-        let Some(full) = &turning.sway else { return self };
-        if self.keeps_angular(limits) {
+        let of = |factor: f64| {
+            let sway = turning.sway.as_ref().filter(|_| factor > 0.0).map(|s| s.scaled(factor));
+            Some(Box::new(Turning { pause: turning.pause, sway }))
+        };
+        self.turning = of(1.0);
+        if turning.sway.is_none() || self.keeps_angular(limits) {
             return self;
         }
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            self.turning.sway = Some(full.scaled(middle));
+            self.turning = of(middle);
             if self.keeps_angular(limits) { low = middle } else { high = middle }
         }
-        self.turning.sway = (low > 0.0).then(|| full.scaled(low));
+        self.turning = of(low);
         self
     }
 
@@ -114,7 +117,7 @@ mod tests {
             ..limits()
         };
         let kept = still().gone(Some(&turning), &wide);
-        assert_eq!(kept.turning.sway, turning.sway);
+        assert_eq!(kept.turning.as_deref(), Some(&turning));
         // The ends are the asked ones, whatever is between.
         let (a, b) = (still().pose_at(0.0), still().pose_at(4.0));
         assert!(kept.pose_at(0.0).rotation.angle_to(&a.rotation) < 1e-9);
@@ -125,7 +128,7 @@ mod tests {
             PathLimits { angular_speed_rad_s: 0.4, angular_acceleration_rad_s2: 0.8, ..limits() };
         let smaller = still().gone(Some(&turning), &tight);
         assert!(verify(&smaller, &tight).is_ok(), "{:?}", verify(&smaller, &tight));
-        let at = smaller.turning.sway.as_ref().unwrap().position(0.3).norm();
+        let at = smaller.turning.as_ref().unwrap().sway.as_ref().unwrap().position(0.3).norm();
         let full = turning.sway.as_ref().unwrap().position(0.3).norm();
         assert!(at > 0.05 * full && at < full, "{at} {full}");
     }

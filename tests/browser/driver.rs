@@ -65,7 +65,7 @@ impl Session {
             path: Some(executable),
             user_data_dir: Some(profile.to_path_buf()),
             args: arguments.iter().map(OsStr::new).collect(),
-            idle_browser_timeout: Duration::from_secs(600),
+            idle_browser_timeout: Duration::from_mins(10),
             ..LaunchOptions::default()
         };
         let browser = Browser::new(options).unwrap();
