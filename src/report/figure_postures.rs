@@ -5,7 +5,7 @@ use super::figure_paths::{Look, bone_pen, extent};
 use super::panel::Panel;
 use super::sheet::{Anchor, Drawn, Sheet, Type, png};
 use super::style::{FAINT, GRID, INK, LABEL, MUTED, Pen, Stroke, TICK};
-use super::view::View;
+use super::view::{View, capital};
 use crate::planner::Moment;
 
 const WIDTH: f64 = 1600.0;
@@ -83,11 +83,6 @@ fn column(sheet: &Sheet, moment: &Moment, look: Look, (left, right): (f64, f64))
         sheet.text(&value, (right, y), Type::bold(TICK), Anchor::Right)?;
     }
     Ok(())
-}
-
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
 }
 
 /// Words in lines no wider than `room`.

@@ -1,7 +1,7 @@
 //! Sections of the page about what to look at and what to change: postures, recommendations.
 
 use super::page::figure;
-use super::view::{View, change, percent, score};
+use super::view::{View, capital, change, percent, score};
 use crate::planner::{Recommendation, Recommendations};
 use maud::{Markup, html};
 
@@ -94,11 +94,6 @@ fn row(r: &Recommendation) -> Markup {
             td.n { (percent(r.exposure_rula_5[0])) " \u{2192} " (percent(r.exposure_rula_5[1])) }
         }
     }
-}
-
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
 }
 
 /// The body part that drives the total most.

@@ -72,6 +72,12 @@ impl<'a> View<'a> {
     }
 }
 
+/// Words with a capital letter at their head.
+pub(super) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
+}
+
 /// The body with the highest expected RULA.
 pub(super) fn worst_body(candidate: &CandidateResult) -> Option<&BodyScores> {
     candidate.bodies.iter().max_by(|a, b| a.rula.expected.total_cmp(&b.rula.expected))
