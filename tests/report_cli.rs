@@ -88,6 +88,12 @@ fn what_is_no_result_is_refused() {
     refused("{}", "has no schema");
     refused("{\"schema\": \"ergopath/result/1\"}", "not as this version of ergopath writes it");
     refused("[1, 2]", "is not a result");
+    // A robot posture with a joint missing.
+    let mut edited: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let ranked = edited["candidates"].as_array_mut().unwrap();
+    let with_robot = ranked.iter_mut().find(|c| c["path"]["robot_q"][0].is_array()).unwrap();
+    with_robot["path"]["robot_q"][0].as_array_mut().unwrap().pop();
+    refused(&edited.to_string(), "a robot posture of 6 values for 7 joints");
     assert_refused(ergopath().arg("report").arg(room.path()), "is a folder without result.json");
     assert_refused(ergopath().arg("report").arg("nowhere"), "no such file");
 }

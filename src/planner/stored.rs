@@ -63,6 +63,16 @@ pub fn parse_result(path: &Path, text: &str) -> Result<RunResult, InputError> {
             .remedy("make the run again with this program, or read it with the one that wrote it")
     };
     let mut result: RunResult = serde_json::from_str(text).map_err(incomplete)?;
+    for c in &mut result.candidates {
+        let Some(along) = c.path.as_mut() else { continue };
+        let joints = along.robot_joints.len();
+        if let Some(row) = along.robot_q.iter().find(|q| q.len() != joints) {
+            let (id, n) = (&c.id, row.len());
+            let message =
+                format!("path `{id}` has a robot posture of {n} values for {joints} joints");
+            return Err(InputError::new(path, message).remedy("make the run again"));
+        }
+    }
     for path in result.candidates.iter_mut().filter_map(|c| c.path.as_mut()) {
         if path.robot_q.len() == path.time_s.len() && !path.robot_q.is_empty() {
             let names = path.robot_joints.clone();
