@@ -14,6 +14,7 @@ mod hull;
 mod keepout;
 mod limits;
 mod nearest;
+mod pace;
 mod project;
 mod remedy;
 mod scene;
@@ -30,6 +31,7 @@ pub use candidate::{
 };
 pub use change::{Change, or_list};
 pub use limits::{Box3, PathLimits};
+pub use pace::Pace;
 pub use project::{
     Cause, Projection, ProjectionSettings, project, project_within, shortest_duration_s,
 };

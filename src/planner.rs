@@ -37,6 +37,7 @@ mod search;
 mod searches;
 mod space;
 mod stored;
+mod timing;
 
 pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};

@@ -125,10 +125,10 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
             .mind
             .push("the posture model is that of a simulated operator, not of your workers".into());
     }
-    for h in look.hands.iter().filter(|h| h.reached > 0 && 2 * h.reached < h.tries) {
+    for h in look.hands.iter().filter(|h| h.reached > 0 && 4 * h.reached < 3 * h.tries) {
         explained.mind.push(format!(
-            "few start postures of `{}` get to the {}: it is near the end of what the hand reaches",
-            h.body, h.end
+            "only {} of {} start postures of `{}` get to the {}: it is near the end of what the hand reaches",
+            h.reached, h.tries, h.body, h.end
         ));
     }
     explained.faults = look.faults();

@@ -82,6 +82,7 @@ pub(super) fn assess(args: &AssessArgs) -> Result<Outcome, Failure> {
             let message = format!("there are two paths named `{}`", path.name);
             return Err(InputError::new(file, message).remedy("rename one of the files").into());
         }
+        scenario.warnings.extend(path.warning());
         scenario.paths.push(path);
     }
     run("assess", &scenario, &args.common, None, planner::assess)

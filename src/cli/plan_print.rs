@@ -7,6 +7,10 @@ use comfy_table::{Cell, CellAlignment};
 
 /// Share from which something is told that makes the figures doubtful.
 const DOUBTFUL: f64 = 0.1;
+/// Change of expected RULA by an assumption from which it is told.
+const WORTH_TELLING: f64 = 0.3;
+/// Share of people by which a path must have fewer at action level 3 to be told.
+const CLEARLY_FEWER: f64 = 0.1;
 
 /// The verdict, and unless it is to be quiet the ranking and what belongs to it.
 pub(super) fn print(result: &RunResult, quiet: bool) {
@@ -16,11 +20,12 @@ pub(super) fn print(result: &RunResult, quiet: bool) {
         return;
     }
     print_ranking(result);
-    let freedoms: Vec<&String> =
-        result.verdict.lines.iter().filter(|l| l.starts_with("Freedom of")).collect();
-    if best.is_some() && !freedoms.is_empty() {
+    let told = ["Chosen with it", "Its timing", "Freedom of", "All freedoms"];
+    let is_told = |l: &&String| told.iter().any(|start| l.starts_with(start));
+    let choices: Vec<&String> = result.verdict.lines.iter().filter(is_told).collect();
+    if best.is_some() && !choices.is_empty() {
         say!();
-        for line in freedoms {
+        for line in choices {
             say!("  {line}");
         }
     }
@@ -182,6 +187,18 @@ fn to_mind(result: &RunResult, best: Option<&CandidateResult>) -> Vec<String> {
                 b.reach_exceeded_from_s.unwrap_or(0.0)
             ));
         }
+        mind.extend(best.and_then(|best| fewer_people(result, best, b)));
+        let neck = result.inputs.iter().find(|i| i.input == "neck");
+        if let Some((neck, change)) = neck.and_then(|n| Some((n, n.if_changed.as_ref()?)))
+            && change.rula.abs() >= WORTH_TELLING
+        {
+            mind.push(format!(
+                "the neck is assumed, not predicted ({}); {}, RULA would be {:.2}",
+                neck.value,
+                change.to,
+                b.rula.expected + change.rula
+            ));
+        }
         let muscle = result.inputs.iter().find(|i| i.input == "muscle use");
         if let Some(change) = muscle.and_then(|m| m.if_changed.as_ref()) {
             mind.push(format!(
@@ -196,6 +213,26 @@ fn to_mind(result: &RunResult, best: Option<&CandidateResult>) -> Vec<String> {
         }
     }
     mind
+}
+
+/// A path with clearly fewer people at action level 3 than the best, if there is one: the order is that
+/// of the planner's objective.
+fn fewer_people(result: &RunResult, best: &CandidateResult, body: &BodyScores) -> Option<String> {
+    let people = |b: &BodyScores| b.rula.p_at_least.get(5).copied().unwrap_or(0.0);
+    let others =
+        result.candidates.iter().filter(|c| c.status == Status::Feasible && c.id != best.id);
+    let of = |c: &&CandidateResult| worst(c).map_or(1.0, people);
+    let fewest = others.filter(|c| !c.bodies.is_empty()).min_by(|a, b| of(a).total_cmp(&of(b)))?;
+    let (there, here) = (of(&fewest), people(body));
+    (here - there >= CLEARLY_FEWER).then(|| {
+        format!(
+            "on `{}` fewer people reach action level 3 for half a second ({} instead of {}): the order is that of \
+             the planner's objective",
+            fewest.id,
+            percent(there),
+            percent(here)
+        )
+    })
 }
 
 /// How far the best path's figures can be trusted.

@@ -25,6 +25,8 @@ pub struct Cma {
     path_sigma: DVector<f64>,
     population: usize,
     generation: usize,
+    /// Standard deviation above which the distribution does not grow.
+    widest: f64,
 }
 
 /// The strategy parameters for n numbers and a population.
@@ -85,7 +87,14 @@ impl Cma {
             path_sigma: DVector::zeros(n),
             population,
             generation: 0,
+            widest: f64::INFINITY,
         })
+    }
+
+    /// The same, its standard deviation never above `widest`: where the numbers are white, larger
+    /// steps leave what is likely.
+    pub fn not_wider_than(self, widest: f64) -> Self {
+        Self { sigma: self.sigma.min(widest), widest, ..self }
     }
 
     /// The next generation, as many points as the population, n numbers each.
@@ -141,6 +150,7 @@ impl Cma {
             self.path_c += step * (r.c_c * (2.0 - r.c_c) * r.mu_eff).sqrt();
         }
         self.sigma *= ((r.c_sigma / r.d_sigma) * (length / r.chi - 1.0)).exp();
+        self.sigma = self.sigma.min(self.widest);
     }
 
     /// The covariance from the path (rank one) and the generation (rank mu), and its axes.

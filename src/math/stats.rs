@@ -60,6 +60,16 @@ pub fn normal_cdf(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
+/// Its inverse, by halving; shares beyond those of -6 and 6 count as these.
+pub fn normal_quantile(share: f64) -> f64 {
+    let (mut low, mut high) = (-6.0, 6.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if normal_cdf(middle) < share { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,6 +83,17 @@ mod tests {
         assert_relative_eq!(quantile(&x, 1.0), 4.0);
         assert_relative_eq!(quantile(&x, 0.25), 1.75);
         assert!(quantile(&[], 0.5).is_nan());
+    }
+
+    #[test]
+    fn quantiles_of_the_normal_are_those_of_the_tables() {
+        for (share, x) in [(0.5, 0.0), (0.975, 1.959_963_985), (0.05, -1.644_853_627)] {
+            assert!((normal_quantile(share) - x).abs() < 1e-8);
+        }
+        for x in [-5.0, -1.0, 0.3, 2.0] {
+            assert!((normal_quantile(normal_cdf(x)) - x).abs() < 1e-6);
+        }
+        assert!((normal_quantile(0.0) + 6.0).abs() < 1e-9);
     }
 
     #[test]

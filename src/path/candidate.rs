@@ -10,6 +10,7 @@
 //! traversed by the minimum-jerk law *in its arc length*, so that every family, the straight one
 //! included, has the same bell-shaped speed.
 
+use super::pace::Pace;
 use super::spline::ClampedSpline;
 use super::turning::{Turning, sway};
 use crate::math::pose::interpolate;
@@ -71,6 +72,9 @@ pub struct Candidate {
     pub turns: Vec<Vec3>,
     /// How long the path rests at its middle via-point, s.
     pub dwell_s: f64,
+    /// Where it is quicker and slower than by the minimum-jerk law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pace: Option<Pace>,
 }
 
 /// Which candidates are made.
@@ -168,7 +172,7 @@ impl ViaSpace {
     fn candidate(&self, id: String, family: Family, offset: impl Fn(usize) -> Vec3) -> Candidate {
         let vias = self.straight.iter().enumerate().map(|(i, p)| p + offset(i)).collect();
         let parameters = self.parameters.clone();
-        Candidate { id, family, vias, parameters, turns: Vec::new(), dwell_s: 0.0 }
+        Candidate { id, family, vias, parameters, turns: Vec::new(), dwell_s: 0.0, pace: None }
     }
 }
 
@@ -237,7 +241,8 @@ pub fn drawn(
     along.pop();
     let parameters = along.iter().map(|c| inverse_ease(c / covered)).collect();
     let (turns, dwell_s) = (Vec::new(), 0.0);
-    Ok(Candidate { id: id.into(), family: Family::Drawn, vias: points, parameters, turns, dwell_s })
+    let (id, family, pace) = (id.into(), Family::Drawn, None);
+    Ok(Candidate { id, family, vias: points, parameters, turns, dwell_s, pace })
 }
 
 /// The candidate as a timed path, `steps + 1` samples over `duration_s` (its rest included), without
@@ -255,7 +260,8 @@ pub fn reference_path(
     let Some(way) = Way::of(candidate, start, goal) else { return Err(fault) };
     let pause = candidate.pause(&way);
     TimedPath::sample(duration_s, steps, |t| {
-        let [s, _] = phase(t, duration_s, pause);
+        let paced = |pace: &Pace| duration_s * pace.at(t / duration_s);
+        let [s, _] = phase(candidate.pace.as_ref().map_or(t, paced), duration_s, pause);
         let turned = interpolate(start, goal, s).rotation;
         Pose::from_parts(way.at(s).into(), turned)
     })

@@ -163,6 +163,18 @@ pub(super) fn solve_within(question: &Question) -> Result<Answer, Refusal> {
     })
 }
 
+/// Whether a reference breaks the limits of acceleration and jerk, by differences: the nearest path
+/// is then likely to need their rows, and a program without them would be solved in vain.
+fn hurries(reference: &[Vec3], step_s: f64, limits: &PathLimits) -> [bool; 2] {
+    let chords: Vec<Vec3> = reference.windows(2).map(|w| (w[1] - w[0]) / step_s).collect();
+    let changes: Vec<Vec3> = chords.windows(2).map(|w| (w[1] - w[0]) / step_s).collect();
+    let mut jerks = changes.windows(2).map(|w| (w[1] - w[0]).amax() / step_s);
+    [
+        changes.iter().any(|a| a.norm() > limits.acceleration_m_s2),
+        jerks.any(|j| j > limits.jerk_m_s3),
+    ]
+}
+
 /// Whether limits that are not elastic are broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Broken {
@@ -203,7 +215,8 @@ impl<'a> Play<'a> {
             inner.is_some_and(|b| reference.iter().any(|p| b.excess(p, axis, is_upper) > 0.0))
         };
         let faces = Box3::faces().filter(is_outside).collect();
-        let rows = Rows { faces, ..Rows::default() };
+        let [acceleration, jerk] = hurries(reference, question.step_s, limits);
+        let rows = Rows { faces, acceleration, jerk, ..Rows::default() };
         Self { question, rows, clearances, balls: BTreeSet::new(), slacks: Vec::new() }
     }
 

@@ -169,6 +169,7 @@ mod tests {
             parameters: vec![0.25, 0.5, 0.75],
             turns: Vec::new(),
             dwell_s: 1.0,
+            pace: None,
         };
         let path = reference_path(&candidate, &a, &b, 3.0, 300).unwrap();
         let middle = candidate.vias[1];

@@ -8,7 +8,7 @@ use super::prepare::Prepared;
 use super::result::{BodyScores, CandidateResult, Status, Verdict};
 use super::space::Space;
 use crate::math::Vec3;
-use crate::math::stats::quantile;
+use crate::math::stats::{mean, normal_quantile, quantile, std_dev};
 use crate::path::Change;
 use crate::scenario::{PersonMargin, Variant};
 
@@ -16,24 +16,25 @@ use crate::scenario::{PersonMargin, Variant};
 const SURELY: f64 = 2.33;
 /// Least margin by which a shortfall is measured, m.
 const LEAST_MARGIN_M: f64 = 0.01;
-/// Weight of the share above the allowed one, in units of the objective; more than paths differ by.
-const CROWDED: f64 = 5.0;
+/// Weight of a whole missing margin, in units of the objective; about what paths differ by.
+const CROWDED: f64 = 0.5;
 /// Words by which the refusal is known.
 const TOO_NEAR: &str = "the robot comes nearer than";
 /// Distances by which base and worker are tried farther apart, m.
 const TRIED_M: [f64; 5] = [0.05, 0.1, 0.15, 0.2, 0.3];
 
-/// What too little distance adds to the objective in the search: for a body, its figures.
+/// What too little distance adds to the objective in the search: for a body, its figures. The few
+/// people there are too few to count those below the margin, so that the distance which the allowed
+/// share undercuts is estimated as that of a normal distribution.
 pub(super) fn crowding(figures: &Figures, margin: &PersonMargin) -> f64 {
     let d = &figures.near_m;
-    if d.is_empty() {
+    if d.is_empty() || margin.share >= 1.0 {
         return 0.0;
     }
-    let scale = margin.margin_m.max(LEAST_MARGIN_M);
-    let count = d.len() as f64;
-    let below = d.iter().filter(|d| **d < margin.margin_m).count() as f64 / count;
-    let missing = d.iter().map(|d| ((margin.margin_m - d) / scale).max(0.0)).sum::<f64>() / count;
-    if below > margin.share { CROWDED * (below - margin.share) + missing } else { 0.0 }
+    let spread = if d.len() > 1 { std_dev(d) } else { 0.0 };
+    let undercut = mean(d) + normal_quantile(margin.share) * spread;
+    let missing = (margin.margin_m - undercut) / margin.margin_m.max(LEAST_MARGIN_M);
+    CROWDED * missing.max(0.0)
 }
 
 impl Prepared {
@@ -178,11 +179,12 @@ mod tests {
     fn too_many_near_repetitions_refuse_a_path() {
         let margin = PersonMargin { margin_m: 0.05, share: 0.05 };
         let of = |near_m: Vec<f64>| Figures { near_m, ..Figures::default() };
-        let two_of_forty: Vec<f64> = (0..40).map(|i| if i < 2 { 0.03 } else { 0.2 }).collect();
-        assert_eq!(crowding(&of(two_of_forty), &margin), 0.0);
-        let four: Vec<f64> = (0..40).map(|i| if i < 4 { 0.03 } else { 0.2 }).collect();
-        // 5 (0.1 - 0.05) and a tenth of repetitions that miss 40 % of the margin.
-        assert!((crowding(&of(four), &margin) - 0.29).abs() < 1e-12);
+        assert_eq!(crowding(&of(vec![0.2, 0.21, 0.22, 0.23]), &margin), 0.0);
+        // Mean 0.06, standard deviation 0.01: one in twenty is below 0.0436, 13 % of the margin short.
+        let near = vec![0.05, 0.06, 0.07];
+        assert!((crowding(&of(near.clone()), &margin) - 0.5 * 0.1290).abs() < 1e-4);
+        assert_eq!(crowding(&of(vec![0.06]), &margin), 0.0);
         assert_eq!(crowding(&of(Vec::new()), &margin), 0.0);
+        assert_eq!(crowding(&of(near), &PersonMargin { share: 1.0, ..margin }), 0.0);
     }
 }

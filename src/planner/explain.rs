@@ -6,7 +6,8 @@ use super::result::{
     BodyScores, CandidateResult, Comparison, Evaluated, IfChanged, InputOrigin, ModelSummary,
     Setting, Status, Verdict,
 };
-use super::searches::WITHOUT;
+use super::searches::{ANY_FREEDOM, WITHOUT, held};
+use super::timing::lingering;
 use crate::ergonomics::{paired_difference, rula_action_level, rula_action_words};
 use crate::human::Stance;
 use crate::posture::{Hold, StartRule};
@@ -98,6 +99,7 @@ pub(super) fn verdict(
     if !best.chosen.is_empty() {
         lines.push(format!("Chosen with it: {}.", best.chosen.join("; ")));
     }
+    lines.extend(best.path.as_ref().and_then(lingering));
     lines.extend(worth(scenario, &best.id, comparisons, &body.body));
     if best.bodies.len() > 1 {
         lines.push(format!("Figures are for the worst body, {}.", body.body));
@@ -141,23 +143,25 @@ fn against(id: &str, name: &str, comparisons: &[Comparison]) -> Vec<String> {
 fn worth(scenario: &Scenario, best: &str, comparisons: &[Comparison], body: &str) -> Vec<String> {
     let of = |name: &str| {
         let id = format!("{WITHOUT}{name}");
+        let what = match name {
+            ANY_FREEDOM => "All freedoms together".to_owned(),
+            _ => format!("Freedom of the {name}"),
+        };
         if id == best {
-            return Some(format!(
-                "Freedom of the {name}: worth nothing that this search has found."
-            ));
+            return Some(format!("{what}: worth nothing that this search has found."));
         }
         let found = comparisons.iter().find(|c| c.other == id && c.body == body)?;
         let d = &found.rula;
         Some(if d.clear {
             format!(
-                "Freedom of the {name}: worth {:.2} of expected RULA (95 % interval {:.2} to {:.2}).",
+                "{what}: worth {:.2} of expected RULA (95 % interval {:.2} to {:.2}).",
                 -d.mean, -d.high95, -d.low95
             )
         } else {
-            format!("Freedom of the {name}: no clear difference ({:+.2}).", -d.mean)
+            format!("{what}: no clear difference ({:+.2}).", -d.mean)
         })
     };
-    scenario.free.names().into_iter().filter_map(of).collect()
+    held(&scenario.free).into_iter().filter_map(of).collect()
 }
 
 fn caveat(scenario: &Scenario) -> Option<String> {

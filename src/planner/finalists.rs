@@ -6,13 +6,15 @@ use super::pipeline::{Environment, PlanError, SELECTION_BLOCK, counted};
 use super::prepare::Prepared;
 use super::result::{CandidateResult, Evaluated, Status};
 use super::search::{SearchState, Tried};
-use super::searches::{LEARNED, OURS, PLAIN, RANDOM, Searches, WITHOUT};
+use super::searches::{LEARNED, OURS, PLAIN, RANDOM, Searches, WITHOUT, held};
 use super::space::Space;
 use crate::path::{Candidate, Family};
 use rayon::prelude::*;
 
 /// Distance (white units) within which two points are the same path.
 const SAME_PATH: f64 = 0.05;
+/// Paths of a baseline's search that are looked at.
+const STAND_INS: usize = 12;
 /// People in the first round of the selection; each round has twice as many for half the paths.
 const FIRST_ROUND: usize = 32;
 
@@ -49,21 +51,17 @@ pub(super) fn finalists(
             pool.push(Finalist { prepared, is_kept: true, value: None });
         }
     }
-    let first = |name: &str, space: &Space| {
-        let state = searches.of(name)?;
-        let best = state.best(1, preset.rollouts_most, SAME_PATH);
-        decoded(environment, space, best.first()?)
-    };
     for (name, id, family) in [
         (RANDOM, "best_random", Family::BestRandom),
         (PLAIN, "single_posture_plain", Family::SinglePosturePlain),
         (LEARNED, "single_posture_learned", Family::SinglePostureLearned),
     ] {
-        pool.extend(first(name, space).map(|p| kept(p, id, family)));
+        let best = searches.of(name).and_then(|state| stand_in(environment, space, state));
+        pool.extend(best.map(|p| kept(p, id, family)));
     }
-    for name in environment.scenario.free.names() {
+    for name in held(&environment.scenario.free) {
         let id = format!("{WITHOUT}{name}");
-        let narrow = space.without(name);
+        let narrow = space.narrowed(Some(name));
         let best = searches
             .of(&id)
             .map(|state| ours(environment, &narrow, state, preset.shortlist))
@@ -93,6 +91,28 @@ pub(super) fn finalists(
         value: None,
     }));
     Ok(pool)
+}
+
+/// What a baseline's search found: its best path from which the robot keeps its distance to people, or
+/// its best one if it found none such. A plan with a single posture cannot see how others come near.
+fn stand_in(environment: &Environment, space: &Space, state: &SearchState) -> Option<Prepared> {
+    let mut best = None;
+    for tried in state.best(STAND_INS, environment.preset.rollouts_most, SAME_PATH) {
+        let Some(mut prepared) = decoded(environment, space, tried) else { continue };
+        if prepared.is_walkable() {
+            let people = 0..FIRST_ROUND.min(environment.preset.rollouts_final);
+            let block = (environment.seed, SELECTION_BLOCK);
+            let figures = environment.figures(&prepared, block, people, Care::Selection);
+            let (names, margin) =
+                (environment.scenario.body_names(), &environment.scenario.person_margin);
+            prepared.refuse_if_too_near(&names, &figures, (margin, true));
+            if prepared.is_walkable() {
+                return Some(prepared);
+            }
+        }
+        best.get_or_insert(prepared);
+    }
+    best
 }
 
 /// The best points of a search and its last centre.

@@ -19,10 +19,13 @@ use crate::scenario::PersonMargin;
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// People of a search who are looked at.
+const MOST_IN_SEARCH: usize = 16;
+
 /// How closely it is looked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Care {
-    /// A few people at a few moments.
+    /// The people that the best of a generation meet, at a few moments.
     Search,
     /// All people at some moments.
     Selection,
@@ -41,7 +44,7 @@ impl Care {
 
     /// Number of people who are looked at.
     pub(super) fn people(self) -> usize {
-        if self == Self::Search { 4 } else { usize::MAX }
+        if self == Self::Search { MOST_IN_SEARCH } else { usize::MAX }
     }
 }
 
@@ -278,12 +281,12 @@ mod tests {
             let plain = naively(&walks, (&envelope, &pelvis), (&scenario.robot, &motion.q));
             let found = |care: Care| -> Vec<f64> {
                 let arm = prepared.arm(&scenario.robot, care).unwrap();
-                let closest = person.closest(&walks, &(0..12), (&arm, &prepared.variant));
+                let closest = person.closest(&walks, &(8..20), (&arm, &prepared.variant));
                 closest.into_iter().map(|c| c.unwrap().distance_m).collect()
             };
             let (report, coarse, few) =
                 (found(Care::Report), found(Care::Selection), found(Care::Search));
-            assert_eq!((report.len(), coarse.len(), few.len()), (12, 12, 4));
+            assert_eq!((report.len(), coarse.len(), few.len()), (12, 12, 8));
             for (own, plain) in report.iter().zip(&plain) {
                 // Never below; above by what happens between two moments at most.
                 assert!(*own >= plain - 1e-12 && own - plain < 2e-3, "{name}: {own} {plain}");

@@ -18,7 +18,7 @@ use super::result::{
     SearchSummary, Status,
 };
 use super::resume::Checkpoint;
-use super::searches::{Searches, run_all};
+use super::searches::{OURS, Searches, run_all};
 use super::space::Space;
 use crate::ergonomics::paired_difference;
 use crate::files::InputError;
@@ -95,8 +95,8 @@ pub fn plan(scenario: &Scenario, request: &Request, stage: Stage) -> Result<RunR
     run(scenario, request, stage, Scope::Plan)
 }
 
-/// Plans with the person's true behaviour in the place of the posture model, and without baselines:
-/// what a planner that knew everything would find.
+/// Plans with the person's true behaviour in the place of the posture model: what a planner that knew
+/// everything would find, searching as long as one that does not.
 pub fn plan_knowing(
     scenario: &Scenario,
     request: &Request,
@@ -129,7 +129,7 @@ pub fn judge_truly(
 enum Scope<'a> {
     /// Search and baselines.
     Plan,
-    /// Search only, knowing the person.
+    /// The same, knowing the person.
     Oracle(&'a dyn Behaviour),
     /// The user's own paths only.
     Assess,
@@ -174,8 +174,7 @@ fn run(
     };
     let space = Space::new(scenario, preset);
     let searches = match scope {
-        Scope::Plan => run_all(&environment, &space, request, true)?,
-        Scope::Oracle(_) => run_all(&environment, &space, request, false)?,
+        Scope::Plan | Scope::Oracle(_) => run_all(&environment, &space, request)?,
         Scope::Assess => Searches::default(),
     };
     let pool = finalists(&environment, &space, &searches)?;
@@ -256,7 +255,8 @@ impl Searches {
             let refused = state.tried.iter().filter(|t| t.refused.is_some()).count();
             SearchSummary { name: name.clone(), paths: state.tried.len(), infeasible: refused }
         };
-        self.done.iter().map(of).collect()
+        let (ours, others): (Vec<_>, Vec<_>) = self.done.iter().partition(|(n, _)| n == OURS);
+        ours.into_iter().chain(others).map(of).collect()
     }
 }
 

@@ -29,6 +29,10 @@ pub struct Preset {
     pub named_offset_m: f64,
     /// Typical bend of sampled candidates, m (root mean square at mid-path).
     pub sampled_offset_m: f64,
+    /// How much quicker and slower than by the minimum-jerk law a path may be in its parts: standard
+    /// deviation of the logarithm of a part's duration; 0 keeps to that law.
+    #[serde(default)]
+    pub pace: f64,
     /// Paths of a generation of the search.
     pub population: usize,
     /// Generations of the search.
@@ -146,6 +150,10 @@ fn parse(path: &Path, text: &str) -> Result<Preset, InputError> {
         if !(0.0..=2.0).contains(&value) {
             return Err(InputError::new(path, format!("{key} = {value} is outside 0 to 2 m")));
         }
+    }
+    if !(0.0..=3.0).contains(&preset.pace) {
+        return Err(InputError::new(path, format!("pace = {} is outside 0 to 3", preset.pace))
+            .remedy("1 is usual; 0 keeps to the minimum-jerk law"));
     }
     let is_weight = |w: &f64| (0.0..=1e6).contains(w);
     if !of_scores.iter().chain(&secondary).all(is_weight) || of_scores.iter().sum::<f64>() <= 0.0 {

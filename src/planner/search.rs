@@ -1,7 +1,7 @@
 //! The search: CMA-ES over white decision numbers, each generation judged together.
 //!
 //! ```text
-//! ask      population points x                       (generation 0 holds the named families)
+//! ask      population points x        (generation 0 holds the named families and what is known)
 //! prepare  QP, robot, obstacles                      (what is not feasible ranks last, by how far)
 //! halve    all on `first` people, the better half on twice as many, ... , at least two on `most`
 //! tell     the order: those that came farther first
@@ -24,8 +24,9 @@ use crate::scenario::Freedom;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// First standard deviation of the white numbers.
-const SPREAD: f64 = 0.6;
+/// First standard deviation of the white numbers, and the largest.
+const SPREAD: f64 = 0.7;
+const WIDEST: f64 = 1.0;
 /// Value from which infeasible points are counted; no objective of feasible ones comes near it.
 const INFEASIBLE: f64 = 1e9;
 
@@ -55,6 +56,8 @@ pub(super) struct Task<'a> {
     pub is_adaptive: bool,
     /// First block of people; each generation takes the next.
     pub block: u32,
+    /// Points of the first generation besides the named families, the best first.
+    pub starts: Vec<Vec<f64>>,
 }
 
 /// A point that was tried.
@@ -100,7 +103,8 @@ pub(super) fn search(
 ) -> Result<(), PlanError> {
     let n = task.space.dimension();
     let fresh = |mean: Vec<f64>| {
-        Cma::new(mean, if task.is_adaptive { SPREAD } else { 1.0 }, task.population)
+        let spread = if task.is_adaptive { SPREAD } else { 1.0 };
+        Cma::new(mean, spread, task.population).map(|cma| cma.not_wider_than(WIDEST))
     };
     if state.is_none() {
         let Some(cma) = fresh(vec![0.0; n]) else { return Ok(()) };
@@ -137,8 +141,9 @@ fn generation(
     let mut rng = stream(environment.seed, Purpose::Search, task.block, g as u32);
     let mut points = state.cma.ask(&mut rng);
     if g == 0 && task.is_adaptive {
-        for (point, seed) in points.iter_mut().zip(task.space.seeds()) {
-            *point = seed;
+        let known = task.space.seeds().into_iter().chain(task.starts.iter().cloned());
+        for (point, known) in points.iter_mut().zip(known) {
+            *point = known;
         }
     }
     let best = state.tried.iter().map(|t| t.value).filter(|v| *v < INFEASIBLE);

@@ -1,15 +1,23 @@
-//! Which searches a plan runs: ours, the baselines that search, and ours with one freedom less each.
+//! Which searches a plan runs: the baselines that search, ours with one freedom less each and with
+//! none, and ours last, which starts from the best of those before it: several searches from different
+//! starts rarely miss the same basin.
 
 use super::pipeline::{Environment, PlanError, Request};
 use super::resume::Checkpoint;
 use super::search::{Gauge, SearchState, Task, search};
 use super::space::Space;
 use crate::posture::PostureLaw;
+use crate::scenario::Freedoms;
 use nalgebra::DMatrix;
 
 /// First block of people of each search; generations take the following ones.
 const FIRST_BLOCK: u32 = 16;
 const BLOCKS_PER_SEARCH: u32 = 4096;
+
+/// Points that a search takes over from each of those before it.
+const TAKEN_OVER: usize = 3;
+/// Distance (white units) from which on points are different starts.
+const APART: f64 = 0.3;
 
 /// Name of our own search.
 pub(super) const OURS: &str = "search";
@@ -17,8 +25,10 @@ pub(super) const OURS: &str = "search";
 pub(super) const RANDOM: &str = "random";
 pub(super) const PLAIN: &str = "single posture, plain";
 pub(super) const LEARNED: &str = "single posture, learned";
-/// How the search without a freedom is called.
+/// How the search without a freedom is called, and what it is followed by when several are free and
+/// none is used.
 pub(super) const WITHOUT: &str = "without ";
+pub(super) const ANY_FREEDOM: &str = "any freedom";
 
 /// Finished searches by name, in order.
 #[derive(Debug, Clone, Default)]
@@ -27,6 +37,18 @@ pub(super) struct Searches {
 }
 
 impl Searches {
+    /// The best points of the searches so far as points of `of`, the best of each first.
+    fn starts(&self, of: &Space, whole: &Space) -> Vec<Vec<f64>> {
+        let best = |(name, state): &(String, SearchState)| -> Vec<Vec<f64>> {
+            let there = whole.narrowed(name.strip_prefix(WITHOUT));
+            let best = state.best(TAKEN_OVER, 1, APART);
+            best.into_iter().filter_map(|t| of.carried(&there, &t.x)).collect()
+        };
+        let all: Vec<Vec<Vec<f64>>> = self.done.iter().map(best).collect();
+        let nth = |k: usize| all.iter().filter_map(move |a| a.get(k).cloned());
+        (0..TAKEN_OVER).flat_map(nth).collect()
+    }
+
     /// A search by name.
     pub(super) fn of(&self, name: &str) -> Option<&SearchState> {
         self.done.iter().find(|(n, _)| n == name).map(|(_, s)| s)
@@ -38,19 +60,19 @@ pub(super) fn run_all(
     environment: &Environment,
     space: &Space,
     request: &Request,
-    has_baselines: bool,
 ) -> Result<Searches, PlanError> {
     let plain = plain_law(&environment.scenario.worker.model.law);
-    let mut tasks = tasks(environment, space, &plain);
-    if !has_baselines {
-        tasks.truncate(1);
-    }
+    let tasks = tasks(environment, space, &plain);
     let mut before: Vec<(String, SearchState)> = match &request.resume {
         Some(checkpoint) => checkpoint.searches_for(environment.scenario, request)?,
         None => Vec::new(),
     };
     let mut searches = Searches::default();
-    for (name, task) in tasks {
+    for (name, mut task) in tasks {
+        // A baseline that took over from others would be none.
+        if name == OURS || name.starts_with(WITHOUT) {
+            task.starts = searches.starts(&task.space, space);
+        }
         let known = before.iter().position(|(n, _)| *n == name);
         let mut state = known.map(|i| before.swap_remove(i).1);
         let end = search(environment, &task, &mut state);
@@ -84,6 +106,7 @@ fn tasks<'a>(
         runs: preset.runs,
         is_adaptive: true,
         block: FIRST_BLOCK,
+        starts: Vec::new(),
     };
     let baseline = |prefix: &str, gauge: Gauge<'a>, is_adaptive: bool, number: u32| Task {
         name: "baselines",
@@ -101,17 +124,26 @@ fn tasks<'a>(
         (PLAIN.to_owned(), baseline("p", Gauge::Sure(plain), true, 2)),
         (LEARNED.to_owned(), baseline("m", Gauge::Sure(learned), true, 3)),
     ];
-    for (k, name) in environment.scenario.free.names().into_iter().enumerate() {
+    for (k, name) in held(&environment.scenario.free).into_iter().enumerate() {
         let task = Task {
             name: "worth of freedoms",
             prefix: format!("w{k}-"),
-            space: space.without(name),
+            space: space.narrowed(Some(name)),
             ..ours.clone()
         };
         all.push((format!("{WITHOUT}{name}"), task));
     }
-    all.insert(0, (OURS.to_owned(), ours));
+    all.push((OURS.to_owned(), ours));
     all
+}
+
+/// What a search goes without: each freedom, and all of them where there are several.
+pub(super) fn held(free: &Freedoms) -> Vec<&'static str> {
+    let mut names = free.names();
+    if names.len() > 1 {
+        names.push(ANY_FREEDOM);
+    }
+    names
 }
 
 /// The plain pseudo-inverse: every joint alike, no pull, no chance.

@@ -1,20 +1,23 @@
-//! The numbers that the search may choose: white via-points, white turns where the tool may turn on
-//! its way, then the scenario's freedoms.
+//! The numbers that the search may choose: white via-points, the white pace, white turns where the
+//! tool may turn on its way, then the scenario's freedoms.
 //!
 //! A freedom with range `[lo, hi]` enters as `lo + Phi(x) (hi - lo)` with the normal distribution
 //! function Phi: a standard normal `x` is then uniform over the range, like the via-points' `x` is
 //! white, and no bound is ever broken.
 
 use super::preset::Preset;
-use crate::math::stats::normal_cdf;
+use super::searches::ANY_FREEDOM;
+use crate::math::stats::{normal_cdf, normal_quantile};
 use crate::math::{Pose, Vec3};
-use crate::path::{Candidate, Family, ViaSpace};
-use crate::scenario::{Scenario, TURN_ON_THE_WAY, Variant};
+use crate::path::{Candidate, Family, Pace, ViaSpace};
+use crate::scenario::{Freedom, Scenario, TURN_ON_THE_WAY, Variant};
 
 /// Height of the elbow over the floor, as a share of stature, in the expert's arc.
 const ELBOW_HEIGHT: f64 = 0.63;
 /// How far the expert's arc comes towards the body, m.
 const EXPERT_PULL_M: f64 = 0.10;
+/// Farthest that a freedom's number is put when a scenario's own value lies at an end of its range.
+const FARTHEST: f64 = 2.0;
 
 /// A path with everything that was chosen for it.
 #[derive(Debug, Clone)]
@@ -30,6 +33,8 @@ pub(super) struct Space<'a> {
     vias: usize,
     offset_rms_m: f64,
     named_offset_m: f64,
+    /// Spread of the pace; none where it is the minimum-jerk law's, as with a free rest.
+    pace: Option<f64>,
     /// For each free number whether this search may use it.
     is_used: Vec<bool>,
     /// How far the tool may turn on its way, rad.
@@ -44,14 +49,24 @@ impl<'a> Space<'a> {
             vias: preset.vias,
             offset_rms_m: preset.sampled_offset_m,
             named_offset_m: preset.named_offset_m,
+            pace: (preset.pace > 0.0 && scenario.free.range(Freedom::Dwell).is_none())
+                .then_some(preset.pace),
             is_used: vec![true; scenario.free.all.len()],
             turn_rad: scenario.free.turn_rad,
         }
     }
 
-    /// The same without one freedom, by name.
-    pub(super) fn without(&self, name: &str) -> Self {
-        let keep = |(f, _): &(crate::scenario::Freedom, [f64; 2])| f.name() != name;
+    /// The same without a freedom by name, or without any.
+    pub(super) fn narrowed(&self, name: Option<&str>) -> Self {
+        match name {
+            None => self.clone(),
+            Some(ANY_FREEDOM) => self.fixed(),
+            Some(name) => self.without(name),
+        }
+    }
+
+    fn without(&self, name: &str) -> Self {
+        let keep = |(f, _): &(Freedom, [f64; 2])| f.name() != name;
         Self {
             is_used: self.scenario.free.all.iter().map(keep).collect(),
             turn_rad: self.turn_rad.filter(|_| name != TURN_ON_THE_WAY),
@@ -59,9 +74,18 @@ impl<'a> Space<'a> {
         }
     }
 
+    fn fixed(&self) -> Self {
+        Self { is_used: vec![false; self.is_used.len()], turn_rad: None, ..self.clone() }
+    }
+
     /// Number of search variables.
     pub(super) fn dimension(&self) -> usize {
-        3 * self.vias + self.turns() + self.is_used.iter().filter(|u| **u).count()
+        3 * self.vias + self.paces() + self.turns() + self.is_used.iter().filter(|u| **u).count()
+    }
+
+    /// Number of search variables of the pace.
+    fn paces(&self) -> usize {
+        if self.pace.is_some() { self.vias } else { 0 }
     }
 
     /// Number of search variables that turn the tool.
@@ -72,6 +96,7 @@ impl<'a> Space<'a> {
     /// The choice at `x`, as many numbers as the dimension.
     pub(super) fn decode(&self, id: &str, x: &[f64]) -> Option<Choice> {
         let (white, rest) = x.split_at_checked(3 * self.vias)?;
+        let (paces, rest) = rest.split_at_checked(self.paces())?;
         let (turns, free) = rest.split_at_checked(self.turns())?;
         let mut free = free.iter();
         let shares: Vec<Option<f64>> = self
@@ -83,6 +108,7 @@ impl<'a> Space<'a> {
         let space = self.via_space(&variant)?;
         let mut candidate = space.decode(id, white);
         candidate.dwell_s = variant.dwell_s;
+        candidate.pace = self.pace.map(|spread| Pace::of_white(paces, spread));
         if let Some(most) = self.turn_rad {
             // White rotation vectors, as smooth as the offsets; half of the bound in mid-path.
             let still = Pose::identity();
@@ -90,6 +116,28 @@ impl<'a> Space<'a> {
             candidate.turns = space.decode("", turns).vias;
         }
         Some(Choice { candidate, variant })
+    }
+
+    /// A point of another space of this scenario in this one: what is not free there has the scenario's
+    /// own value, what is not free here is left out.
+    pub(super) fn carried(&self, from: &Self, x: &[f64]) -> Option<Vec<f64>> {
+        let (path, rest) = x.split_at_checked(3 * self.vias + from.paces())?;
+        let (turns, free) = rest.split_at_checked(from.turns())?;
+        let mut all = path.to_vec();
+        all.extend((0..self.turns()).map(|i| turns.get(i).copied().unwrap_or(0.0)));
+        let mut free = free.iter();
+        let used = self.is_used.iter().zip(&from.is_used);
+        for ((here, there), range) in used.zip(&self.scenario.free.all) {
+            let number = if *there { free.next().copied() } else { None };
+            let own = || {
+                let own = normal_quantile(self.scenario.own_share(range));
+                own.clamp(-FARTHEST, FARTHEST)
+            };
+            if *here {
+                all.push(number.unwrap_or_else(own));
+            }
+        }
+        (all.len() == self.dimension()).then_some(all)
     }
 
     /// What a variant chooses besides the path, in words.

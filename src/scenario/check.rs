@@ -19,6 +19,9 @@ use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
 use toml::Spanned;
 
+/// Angle between the worker's facing and the task from which it is told.
+const MOST_TURNED_DEG: f64 = 60.0;
+
 /// A workstation, resolved.
 #[derive(Debug, Clone)]
 pub struct Scenario {
@@ -115,6 +118,8 @@ pub(super) fn resolve(
         ));
     }
     let worker = resolve_worker(source, &file.worker)?;
+    warnings.extend(looks_away(&worker, &start, &goal));
+    warnings.extend(paths.iter().filter_map(UserPath::warning));
     let grip = resolve_grip(source, &file.grip)?;
     let obstacles: Result<Vec<_>, InputError> =
         file.obstacle.iter().map(|o| resolve_obstacle(source, o)).collect();
@@ -141,6 +146,21 @@ pub(super) fn resolve(
         drawn: drawn_paths,
         free,
         warnings,
+    })
+}
+
+/// Whether the worker looks past the task, as one does with a wrong sign in the file.
+fn looks_away(worker: &Worker, start: &Pose, goal: &Pose) -> Option<String> {
+    let middle = (start.translation.vector + goal.translation.vector) * 0.5;
+    let to = (middle.x - worker.at_m[0], middle.y - worker.at_m[1]);
+    let wanted = to.1.atan2(to.0);
+    let off = (wanted - worker.facing).sin().atan2((wanted - worker.facing).cos());
+    (to.0.hypot(to.1) > 0.1 && off.abs().to_degrees() > MOST_TURNED_DEG).then(|| {
+        format!(
+            "the worker looks {:.0} deg past the middle of the task; worker.facing_deg = {:.0} would look at it",
+            off.abs().to_degrees(),
+            wanted.to_degrees()
+        )
     })
 }
 

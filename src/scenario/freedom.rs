@@ -131,6 +131,19 @@ impl Scenario {
         }
     }
 
+    /// The share in [0, 1] of a free range at which the scenario's own value lies.
+    pub fn own_share(&self, (freedom, [low, high]): &(Freedom, [f64; 2])) -> f64 {
+        let own = match freedom {
+            // In the middle of the first place's part.
+            Freedom::StartPlace | Freedom::GoalPlace => 0.5,
+            Freedom::Duration => self.duration_s,
+            Freedom::Dwell => *low,
+            // Offsets and turns are counted from the scenario's.
+            _ => 0.0,
+        };
+        if high > low { ((own - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 }
+    }
+
     /// Names of the bodies, in order.
     pub fn body_names(&self) -> Vec<&str> {
         self.worker.bodies.iter().map(|b| b.name.as_str()).collect()

@@ -26,6 +26,20 @@ pub struct UserPath {
     pub sha256: String,
 }
 
+impl UserPath {
+    /// What the reader should know of it.
+    pub fn warning(&self) -> Option<String> {
+        self.joints.is_none().then(|| {
+            format!(
+                "path `{}` gives only the TCP: the postures of the arm along it are chosen here, and its \
+                 distances to people and things may differ from those under your controller; columns with \
+                 the robot's joints would fix them",
+                self.name
+            )
+        })
+    }
+}
+
 /// Reads a path for a robot.
 pub fn read_user_path(name: &str, file: &Path, robot: &Robot) -> Result<UserPath, InputError> {
     let bytes = crate::files::read_bytes(file)?;
