@@ -272,6 +272,7 @@ fn keep_pictures(page: &Session, width: u32) {
     page.resize(width, page.get("document.documentElement.scrollHeight"));
     page.run("await new Promise((r) => setTimeout(r, 1000))");
     keep(&format!("scene_{width}.png"), page.png("#scene", 0.75));
+    keep(&format!("verdict_{width}.png"), page.png("#verdict", 0.75));
     keep(&format!("page_{width}.png"), page.png("body", 0.25));
     page.resize(width, 900);
 }
