@@ -122,8 +122,8 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
         for path in &pictures {
             say!("{}", path.display());
         }
-        if args.figures.is_some() && !model.method.identifies_weights() {
-            say!("no weights.png: {} learns no weights of the joints", model.method.name());
+        if let Some(reason) = no_weights(model.method).filter(|_| args.figures.is_some()) {
+            say!("no weights.png: {reason}");
         }
     }
     Ok(Outcome::Done)
@@ -321,6 +321,16 @@ fn draw(
     let recording = trials.get(curves.trial).map_or("", |t| t.source.as_str());
     pictures.push(("held_out.png", held_out_figure(&curves, recording, &whose).map_err(fault)?));
     Ok(pictures)
+}
+
+/// Why a method has no weights to draw; none where it has.
+fn no_weights(method: Method) -> Option<&'static str> {
+    match method {
+        Method::Promp => Some("W of promp changes with the phase of the movement"),
+        Method::Gp => Some("gp has no W"),
+        method if method.identifies_weights() => None,
+        _ => Some("W of this method is the identity: all joints weigh the same"),
+    }
 }
 
 /// Where the pictures are.

@@ -3,7 +3,7 @@
 
 use super::ReportError;
 use super::figure_weights::Learned;
-use super::panel::{Key, Panel, Words, legend};
+use super::panel::{Key, Panel, Words, legend, ticks};
 use super::sheet::{Anchor, At, Drawn, Sheet, Type, png};
 use super::style::{BLUE, INK, MUTED, Pen, Stroke, TICK, TITLE, tint};
 use crate::training::{HeldOutCurves, JointCurves};
@@ -20,6 +20,8 @@ const DOWN: (f64, f64, f64) = (196.0, 472.0, 300.0);
 const LEFT: f64 = 40.0;
 /// The axis of angles spans at least this, deg.
 const LEAST_DEG: f64 = 2.0;
+/// Most marks along it, about.
+const MOST_TICKS: usize = 7;
 
 const RECORDED: Pen = Pen { color: INK, width: 3.0, stroke: Stroke::Solid };
 const MEDIAN: Pen = Pen { color: BLUE, width: 3.0, stroke: Stroke::Dashed };
@@ -43,8 +45,8 @@ pub fn held_out_figure(
         let keys = [
             Key::Line(RECORDED, "recorded".to_owned()),
             Key::Line(MEDIAN, "median of the walks".to_owned()),
-            Key::Field(tint(BLUE, BANDS[1]), "50 % of the walks".to_owned()),
-            Key::Field(tint(BLUE, BANDS[0]), "90 % of the walks".to_owned()),
+            Key::Field(tint(BLUE, BANDS[1]), "50 % band of the walks".to_owned()),
+            Key::Field(tint(BLUE, BANDS[0]), "90 % band of the walks".to_owned()),
         ];
         legend(sheet, (LEFT, 84.0), SIZE.0 - 2.0 * LEFT, &keys)?;
         for (i, joint) in curves.moving_most(SHOWN).into_iter().enumerate() {
@@ -86,7 +88,8 @@ fn angles_deg(joint: &JointCurves) -> (f64, f64) {
 }
 
 fn draw(sheet: &Sheet, panel: &Panel, time_s: &[f64], joint: &JointCurves) -> Drawn {
-    panel.grid(sheet)?;
+    let y_ticks = ticks(panel.y, MOST_TICKS);
+    panel.grid_at(sheet, &y_ticks)?;
     let points = |values: &[f64]| -> Vec<At> {
         let both = time_s.iter().zip(values).filter(|(_, v)| v.is_finite());
         both.map(|(t, v)| panel.at(*t, v.to_degrees())).collect()
@@ -106,12 +109,16 @@ fn draw(sheet: &Sheet, panel: &Panel, time_s: &[f64], joint: &JointCurves) -> Dr
         }
     }
     let words = Words { title: "", x: "time (s)", y: "joint angle (deg)" };
-    panel.axes(sheet, words, &panel.y_ticks())?;
+    panel.axes(sheet, words, &y_ticks)?;
     let ((left, right), (top, _)) = (panel.x_px, panel.y_px);
-    let name = sheet.shortened(&joint.joint, 0.6 * (right - left), Type::bold(TICK));
-    sheet.text(&name, (left, top - 20.0), Type::bold(TICK), Anchor::Left)?;
-    let held = format!("in 90 %: {:.0} %", 100.0 * joint.held_90);
-    sheet.text(&held, (right, top - 20.0), Type::plain(TICK).colored(MUTED), Anchor::Right)
+    let muted = Type::plain(TICK).colored(MUTED);
+    let held = format!("90 % band holds {:.0} %", 100.0 * joint.held_90);
+    sheet.text(&held, (right, top - 20.0), muted, Anchor::Right)?;
+    // Not bold: the bold j of this font runs into the letter after it.
+    let plain = Type::plain(TICK);
+    let name =
+        sheet.shortened(&joint.joint, right - left - sheet.width(&held, muted) - 16.0, plain);
+    sheet.text(&name, (left, top - 20.0), plain, Anchor::Left)
 }
 
 /// What is shown.
@@ -123,8 +130,8 @@ fn note(curves: &HeldOutCurves, recording: &str, whose: &Learned) -> String {
          for judging {}. The law here was learned without that part ({}, {pull} the pull towards the \
          person's own postures). {} people drawn from it walk along the recorded hand path, all from the \
          recorded posture at the start. Shown are the joints with the largest recorded range, each on a \
-         scale of its own. In 90 %: share of the times after the start at which the band of 90 % of the \
-         walks holds the recorded angle; 90 % would be right on average.",
+         scale of its own, with the share of the times after the start at which the 90 % band holds the \
+         recorded angle; 90 % would be right on average.",
         whose.words(),
         curves.method.name(),
         curves.rollouts

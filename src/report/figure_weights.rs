@@ -46,7 +46,8 @@ pub fn weights_figure(spread: &WeightSpread, whose: &Learned) -> Result<Vec<u8>,
     png("weights", (WIDE as u32, (bottom + BELOW) as u32), |sheet| {
         let axis = axis(&spread.joints);
         let panel = Panel { x_px: X_PX, y_px: (TOP, bottom), x: axis.range, y: (0.0, 1.0) };
-        let title = format!("Weight W of each joint ({})", spread.method.name());
+        let title =
+            format!("Weight W of each joint with its 95 % interval ({})", spread.method.name());
         sheet.text(&title, (LEFT, 36.0), Type::bold(TITLE), Anchor::Left)?;
         scale(sheet, &panel, &axis)?;
         names(sheet, &rows)?;
@@ -152,7 +153,7 @@ fn note(spread: &WeightSpread, whose: &Learned) -> String {
     let bars = if spread.joints.iter().any(|j| j.interval.is_some()) {
         format!(
             "Bar: jackknife 95 % interval of its logarithm, from learning W again without {left_out} in \
-             turn; bars that reach far over each other do not tell joints apart."
+             turn; joints whose bars overlap widely cannot be told apart."
         )
     } else {
         "No interval: there are too few data to leave some out.".to_owned()
