@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release --example projection_times
 //! ```
-//! Six workstations (seed 1000), ten whitened paths each, T = 100, one core: the program for the TCP's
+//! Six workstations (seed 1000), ten whitened paths of random pace each, T = 100, one core: the program for the TCP's
 //! positions among the obstacles, and the whole loop with the Panda's inverse kinematics and rows.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program says what it found")]
@@ -11,7 +11,7 @@
 use ergopath::ergobench::{Family, draw};
 use ergopath::math::stream::{Purpose, normals, stream};
 use ergopath::path::{
-    Arm, Followed, Projection, ProjectionSettings, Scene, ViaSpace, project_for_arm,
+    Arm, Followed, Pace, Projection, ProjectionSettings, Scene, ViaSpace, project_for_arm,
     project_within, reference_path,
 };
 use ergopath::robot::{FollowSettings, start_postures};
@@ -37,8 +37,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let scene = Scene { obstacles: &s.obstacles, ..Scene::default() };
         let Some(space) = ViaSpace::new(3, &s.start, &s.goal, 0.15) else { continue };
         for k in 0..PATHS {
-            let x = normals(&mut stream(SEED, Purpose::Search, 0, k), space.dimension());
-            let candidate = space.decode("c", &x);
+            // Via-points and pace as the default planner draws them.
+            let x = normals(&mut stream(SEED, Purpose::Search, 0, k), space.dimension() + 3);
+            let (vias, pace) = x.split_at(space.dimension());
+            let mut candidate = space.decode("c", vias);
+            candidate.pace = Some(Pace::of_white(pace, 1.0));
             let path = reference_path(&candidate, &s.start, &s.goal, s.duration_s, 100)?;
             let from = Instant::now();
             let projection = project_within(&path, &s.limits, &scene, &settings);

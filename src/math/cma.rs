@@ -93,6 +93,7 @@ impl Cma {
 
     /// The same, its standard deviation never above `widest`: where the numbers are white, larger
     /// steps leave what is likely.
+    #[must_use]
     pub fn not_wider_than(self, widest: f64) -> Self {
         Self { sigma: self.sigma.min(widest), widest, ..self }
     }

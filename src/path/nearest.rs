@@ -216,7 +216,7 @@ impl<'a> Play<'a> {
         };
         let faces = Box3::faces().filter(is_outside).collect();
         let [acceleration, jerk] = hurries(reference, question.step_s, limits);
-        let rows = Rows { faces, acceleration, jerk, ..Rows::default() };
+        let rows = Rows { acceleration, jerk, faces, ..Rows::default() };
         Self { question, rows, clearances, balls: BTreeSet::new(), slacks: Vec::new() }
     }
 

@@ -13,7 +13,7 @@ use serde::Serialize;
 /// The shares of the time at which each equal part of the minimum-jerk law ends.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pace {
-    /// u_0 = 0 to u_m = 1, strictly increasing.
+    /// `u_0 = 0` to `u_m = 1`, strictly increasing.
     ends: Vec<f64>,
 }
 
