@@ -167,7 +167,8 @@ mod tests {
         }
         let fold = &data.held_out()[0];
         let train = data.select(&fold.train);
-        let laws = learn_laws(&[Method::FullW], &train, 1.6, &settings, None).unwrap();
+        let stature_m = data.coupling.stature_m();
+        let laws = learn_laws(&[Method::FullW], &train, stature_m, &settings, None).unwrap();
         let floors = crate::posture::Floors {
             task: DVector::from_element(6, 1e-8),
             null_rad_s: settings.null_floor_rad_s,
