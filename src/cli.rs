@@ -44,6 +44,7 @@ mod score_motion;
 mod score_print;
 mod shell;
 mod train;
+mod train_print;
 
 use clap::{Parser, Subcommand};
 use miette::Diagnostic;

@@ -39,7 +39,9 @@ pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, save_model};
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Floors, Person, PostureLaw, Prediction, Query, Sampler, Sampling};
-pub use model::{Method, MethodQuality, PostureDistribution, PostureModel, Provenance};
+pub use model::{
+    Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
+};
 pub use noise::{Noise, NoisePath, NoiseShares, gain, speed_squared};
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};

@@ -9,6 +9,7 @@
 //! CellLook ─► figure_cell   the cell before planning, PNG
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
 //! gains with their intervals     ─► figure_forest                             PNG
+//! WeightSpread, HeldOutCurves ─► figure_weights, figure_held_out             PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! SizeExperiment ─► size          size.png, size.csv, size.json
 //! ```
@@ -24,10 +25,12 @@ mod figure_cell;
 mod figure_forest;
 mod figure_growth;
 mod figure_heat;
+mod figure_held_out;
 mod figure_paths;
 mod figure_population;
 mod figure_postures;
 mod figure_scores;
+mod figure_weights;
 mod filled;
 mod filled_page;
 mod page;
@@ -53,6 +56,8 @@ pub use figure_box::{BoxPanel, box_plots};
 pub use figure_cell::cell_figure;
 pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
+pub use figure_held_out::held_out_figure;
+pub use figure_weights::{Learned, weights_figure};
 pub use filled_page::{Picked, sheet_files};
 pub use size::size_files;
 

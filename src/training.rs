@@ -10,7 +10,8 @@
 //! [`train()`] learns the chosen method on everything after all methods have been judged on movement
 //! that they had not seen. [`toy5r`] is the paper's problem with a known truth, for judging methods;
 //! [`toy5r_paper`] holds the paper's own figures for it. [`size_experiment`] shows how cost and quality
-//! grow with the number of frames, on movements of the simulated operator.
+//! grow with the number of frames, on movements of the simulated operator. [`weight_spread`] and
+//! [`held_out_curves`] are what the pictures of a training show.
 
 mod active_set;
 mod calibration;
@@ -25,6 +26,7 @@ mod fit_notes;
 mod fit_report;
 #[cfg(test)]
 mod fit_tests;
+mod held_out_curves;
 mod methods;
 mod motion_file;
 mod noise_fit;
@@ -39,6 +41,7 @@ pub mod toy5r;
 mod toy5r_experiment;
 pub mod toy5r_paper;
 mod train;
+mod weight_spread;
 
 pub use calibration_experiment::{CalibrationCell, run_calibration};
 pub use data_file::{DataFile, read_data, task_of_rows};
@@ -49,6 +52,7 @@ pub use evaluate::{
 pub use export::data_csv;
 pub use fit::{FitSettings, JointMotion, fit};
 pub use fit_report::{Beyond, FitReport, SegmentLength, Spread};
+pub use held_out_curves::{BAND_LEVELS, HeldOutCurves, JointCurves, held_out_curves};
 pub use methods::{Law, WeightUncertainty, learn_laws};
 #[doc(hidden)]
 pub use methods::{with_kernel_search, with_weight_search};
@@ -65,3 +69,4 @@ pub use toy5r_experiment::{
     InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,
 };
 pub use train::{learn, train};
+pub use weight_spread::{JointWeight, WeightSpread, weight_spread};

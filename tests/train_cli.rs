@@ -43,9 +43,12 @@ fn close(a: &Value, b: &Value) -> bool {
 fn the_shipped_model_is_trained_again_from_the_shipped_movements() {
     let room = tempfile::tempdir().unwrap();
     let (model, data) = (room.path().join("m.json"), room.path().join("d.csv"));
+    let figures = room.path().join("figures");
     let run = train(&project(DEMONSTRATION), &model)
         .args(["--name", "demo operator (simulated)", "--export"])
         .arg(&data)
+        .arg("--figures")
+        .arg(&figures)
         .assert()
         .success();
     let shown = String::from_utf8(run.get_output().stdout.clone()).unwrap();
@@ -67,7 +70,107 @@ fn the_shipped_model_is_trained_again_from_the_shipped_movements() {
     assert!(shipped.len() < 300_000);
     let lines = std::fs::read_to_string(&data).unwrap();
     assert!(lines.starts_with("q0,q1,") && lines.lines().next().unwrap().ends_with("train,traj"));
-    assert_eq!(room.path().read_dir().unwrap().count(), 2);
+    // The guide shows the pictures of this command.
+    assert_eq!(names(&figures), ["held_out.png", "weights.png"]);
+    for name in names(&figures) {
+        assert!(shown.contains(figures.join(&name).to_str().unwrap()), "{name} in\n{shown}");
+        let (own, of_guide) = (
+            pixels(&figures.join(&name)),
+            pixels(&project("docs/pictures").join(format!("training_{name}"))),
+        );
+        assert_eq!(own.len(), of_guide.len(), "{name}");
+        let different = own.iter().zip(&of_guide).filter(|(a, b)| a != b).count();
+        // None on the processor that drew them; rounding may move an edge elsewhere.
+        assert!(different * 200 < own.len(), "{name}: {different} of {} differ", own.len());
+    }
+    assert_eq!(room.path().read_dir().unwrap().count(), 3);
+}
+
+/// The names in a folder, in order.
+fn names(folder: &Path) -> Vec<String> {
+    let all = folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = all.collect();
+    names.sort();
+    names
+}
+
+/// The pixels of a picture, with at least two colours.
+fn pixels(path: &Path) -> Vec<[u8; 3]> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size()];
+    reader.next_frame(&mut bytes).unwrap();
+    let pixels: Vec<[u8; 3]> = bytes.chunks(3).map(|p| [p[0], p[1], p[2]]).collect();
+    assert!(pixels.iter().any(|p| *p != pixels[0]), "{} is empty", path.display());
+    pixels
+}
+
+/// The first three movements of the shipped demonstration.
+fn short_demonstration(room: &Path) -> PathBuf {
+    let text = std::fs::read_to_string(project(DEMONSTRATION)).unwrap();
+    let is_kept = |line: &&str| {
+        let trial = line.split(',').next().and_then(|t| t.parse::<f64>().ok());
+        trial.is_none_or(|t| t < 4.0)
+    };
+    let path = room.join("three.csv");
+    std::fs::write(&path, text.lines().filter(is_kept).collect::<Vec<_>>().join("\n")).unwrap();
+    path
+}
+
+#[test]
+fn pictures_are_those_that_the_method_has_and_replace_their_like() {
+    let room = tempfile::tempdir().unwrap();
+    let data = short_demonstration(room.path());
+    let (model, figures) = (room.path().join("m.json"), room.path().join("figures"));
+    let with = |method: &str| {
+        let mut command = train(&data, &model);
+        command.args(["--method", method, "--figures"]).arg(&figures);
+        command
+    };
+    with("w-ik").assert().success();
+    assert_eq!(names(&figures), ["held_out.png", "weights.png"]);
+    let first = std::fs::read(figures.join("weights.png")).unwrap();
+    let run = with("w-ik").arg("--json").assert().success();
+    assert!(first == std::fs::read(figures.join("weights.png")).unwrap(), "other bytes");
+    let shown: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    let told: Vec<&str> =
+        shown["figures"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+    assert_eq!(told.len(), 2);
+    assert!(told.iter().all(|f| Path::new(f).is_file()), "{told:?}");
+    // The weights of before would be those of another model.
+    let run = with("plain-ik").assert().success();
+    assert_eq!(names(&figures), ["held_out.png"]);
+    let shown = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+    assert!(shown.contains("no weights.png") && shown.contains("identity"), "{shown}");
+}
+
+#[test]
+fn pictures_are_written_with_the_model_or_not_at_all() {
+    let room = tempfile::tempdir().unwrap();
+    let data = short_demonstration(room.path());
+    let (model, figures) = (room.path().join("m.json"), room.path().join("figures"));
+    let into = |folder: &Path| {
+        let mut command = train(&data, &model);
+        command.args(["--method", "w-ik", "--figures"]).arg(folder);
+        command
+    };
+    let thesis = room.path().join("thesis");
+    std::fs::create_dir(&thesis).unwrap();
+    std::fs::write(thesis.join("held_out.png"), "mine").unwrap();
+    std::fs::write(thesis.join("robot.png"), "mine").unwrap();
+    refused(&mut into(&thesis), "foreign", "not an ergopath output folder", room.path());
+    assert_eq!(names(&thesis), ["held_out.png", "robot.png"]);
+    refused(&mut into(&data), "file", "is a file, not a folder", room.path());
+    refused(&mut into(room.path()), "around", "would also hold the file of --output", room.path());
+    let mut export = into(&figures);
+    export.arg("--export").arg(figures.join("d.csv"));
+    refused(&mut export, "around", "would also hold the file of --export", room.path());
+    // The model cannot be written in the place of a folder: nothing else stays either.
+    let mut blocked = train(&data, &thesis);
+    blocked.args(["--method", "w-ik", "--figures"]).arg(&figures);
+    blocked.arg("--export").arg(room.path().join("d.csv"));
+    refused(&mut blocked, "blocked", "cannot be written", room.path());
+    assert_eq!(names(room.path()), ["thesis", "three.csv"]);
 }
 
 #[test]

@@ -1,15 +1,16 @@
 //! `ergopath train`: learns a posture model from recordings and judges it on held-out movement.
 
+use super::train_print::{print_json, print_text};
 use super::{Failure, Outcome};
-use crate::files::{InputError, suggest, write_whole};
+use crate::files::{InputError, OutputFolder, suggest, write_whole};
 use crate::human::{Body, Side};
-use crate::posture::{Method, MethodQuality, PostureModel, Provenance, save_model};
+use crate::posture::{Method, PostureModel, Provenance, save_model};
 use crate::recording::read;
+use crate::report::{Learned, ReportError, held_out_figure, weights_figure};
 use crate::training::{
-    Dataset, FitReport, FitSettings, TrainSettings, Trial, data_csv, fit, read_motion, train,
+    Dataset, FitReport, FitSettings, TrainSettings, Trial, data_csv, fit, held_out_curves,
+    read_motion, train, weight_spread,
 };
-use comfy_table::{CellAlignment, Table, presets};
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `train`.
@@ -37,6 +38,10 @@ pub(super) struct Args {
     /// What to call the model; by default the name of its file.
     #[arg(long)]
     name: Option<String>,
+    /// Folder for pictures of the training: weights.png, the weight of each joint with its uncertainty,
+    /// and `held_out.png`, predicted against recorded joint angles of a movement that was held out.
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
     /// Do not pull towards the person's own postures.
     #[arg(long)]
     no_attraction: bool,
@@ -66,13 +71,13 @@ fn parse_method(text: &str) -> Result<Method, String> {
 /// What one recording gave.
 pub(super) struct Source {
     pub name: String,
-    sha256: String,
-    simulated: bool,
+    pub sha256: String,
+    pub simulated: bool,
     pub trials: Vec<Trial>,
     /// How the angles came about, a line each.
-    lines: Vec<String>,
+    pub lines: Vec<String>,
     pub notes: Vec<String>,
-    fit: Option<FitReport>,
+    pub fit: Option<FitReport>,
 }
 
 /// Whom to look for in recordings.
@@ -95,15 +100,31 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let dataset = Dataset::new(&trials, &body, args.side)?;
     let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
     let name = args.name.clone().unwrap_or_else(|| stem.replace('_', " "));
+    // Opened before the work: a folder that cannot be written must not cost minutes.
+    let folder = figures_folder(args)?;
     let model = train(&dataset, &name, args.method, &settings, provenance(&sources, &body, args))?;
-    write(&dataset, &model, args)?;
+    let mut pictures = Vec::new();
+    if let Some(folder) = &folder {
+        pictures = draw(&dataset, &trials, &model, &settings)?;
+        for (name, png) in &pictures {
+            folder.write(name, png)?;
+        }
+    }
+    write(&dataset, &model, folder, args)?;
+    let pictures = paths(args, &pictures);
     for note in sources.iter().flat_map(|s| &s.notes) {
         complain!("warning: {note}");
     }
     if args.json {
-        print_json(&sources, &dataset, &model);
+        print_json(&sources, &dataset, &model, &pictures);
     } else {
         print_text(&sources, &dataset, &model, &args.output);
+        for path in &pictures {
+            say!("{}", path.display());
+        }
+        if let Some(reason) = no_weights(model.method).filter(|_| args.figures.is_some()) {
+            say!("no weights.png: {reason}");
+        }
     }
     Ok(Outcome::Done)
 }
@@ -266,129 +287,84 @@ fn provenance(sources: &[Source], body: &Body, args: &Args) -> Provenance {
     }
 }
 
-/// Model and data, both or neither.
-fn write(dataset: &Dataset, model: &PostureModel, args: &Args) -> Result<(), InputError> {
-    let Some(export) = &args.export else { return save_model(model, &args.output) };
-    if std::path::absolute(export).ok() == std::path::absolute(&args.output).ok() {
+/// The open folder for pictures; no other file of the run may lie in it, since it is replaced as a whole.
+fn figures_folder(args: &Args) -> Result<Option<OutputFolder>, InputError> {
+    let Some(folder) = &args.figures else { return Ok(None) };
+    let absolute = |path: &Path| std::path::absolute(path).ok();
+    for (path, option) in [(Some(&args.output), "--output"), (args.export.as_ref(), "--export")] {
+        let (Some(path), Some(within)) = (path.and_then(|p| absolute(p)), absolute(folder)) else {
+            continue;
+        };
+        if path.starts_with(within) {
+            let message = format!("would also hold the file of {option}");
+            return Err(InputError::new(folder, message)
+                .remedy("give --figures a folder of its own: it is replaced as a whole"));
+        }
+    }
+    OutputFolder::create(folder).map(Some)
+}
+
+/// The pictures as (name, bytes).
+fn draw(
+    dataset: &Dataset,
+    trials: &[Trial],
+    model: &PostureModel,
+    settings: &TrainSettings,
+) -> Result<Vec<(&'static str, Vec<u8>)>, InputError> {
+    let fault = |e: ReportError| InputError::new("figures", e.to_string());
+    let whose = Learned { model: &model.name, is_simulated: model.provenance.simulated };
+    let mut pictures = Vec::new();
+    if let Some(spread) = weight_spread(dataset, model, settings)? {
+        pictures.push(("weights.png", weights_figure(&spread, &whose).map_err(fault)?));
+    }
+    let curves = held_out_curves(dataset, model.method, settings)?;
+    let recording = trials.get(curves.trial).map_or("", |t| t.source.as_str());
+    pictures.push(("held_out.png", held_out_figure(&curves, recording, &whose).map_err(fault)?));
+    Ok(pictures)
+}
+
+/// Why a method has no weights to draw; none where it has.
+fn no_weights(method: Method) -> Option<&'static str> {
+    match method {
+        Method::Promp => Some("W of promp changes with the phase of the movement"),
+        Method::Gp => Some("gp has no W"),
+        method if method.identifies_weights() => None,
+        _ => Some("W of this method is the identity: all joints weigh the same"),
+    }
+}
+
+/// Where the pictures are.
+fn paths(args: &Args, pictures: &[(&str, Vec<u8>)]) -> Vec<PathBuf> {
+    let folder = args.figures.as_deref().unwrap_or(Path::new(""));
+    pictures.iter().map(|(name, _)| folder.join(name)).collect()
+}
+
+/// Model, data and pictures, all or none.
+fn write(
+    dataset: &Dataset,
+    model: &PostureModel,
+    folder: Option<OutputFolder>,
+    args: &Args,
+) -> Result<(), InputError> {
+    if let Some(export) = &args.export
+        && std::path::absolute(export).ok() == std::path::absolute(&args.output).ok()
+    {
         return Err(InputError::new(export, "is named for both model and data")
             .remedy("give --export and --output different names"));
     }
-    let is_new = !export.exists();
-    write_whole(export, data_csv(dataset).as_bytes())?;
-    let saved = save_model(model, &args.output);
-    if saved.is_err() && is_new {
-        // The first error is the one to report; a file that stays is visible to the user.
-        let _ = std::fs::remove_file(export);
-    }
-    saved
-}
-
-fn print_json(sources: &[Source], dataset: &Dataset, model: &PostureModel) {
-    let recordings: Vec<_> = sources
-        .iter()
-        .map(|s| json!({"source": s.name, "sha256": s.sha256, "simulated": s.simulated, "fit": s.fit}))
-        .collect();
-    say!(
-        "{}",
-        json!({
-            "recordings": recordings,
-            "frames": dataset.frames.len(),
-            "trials": dataset.trials,
-            "quality": model.quality,
-            "weight_by_group": model.weight_by_group().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
-            "noise": {
-                "rank": model.law.noise.factor.ncols(),
-                "shares": model.law.noise.shares,
-                "correlation_time_s": model.law.noise.correlation_time_s,
-                "speed_share": model.law.noise.speed_share,
-            },
-            "model": {"name": model.name, "method": model.method, "provenance": model.provenance},
-        })
-    );
-}
-
-fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureModel, path: &Path) {
-    for source in sources {
-        say!("{}: {}", source.name, source.lines[0]);
-        for line in &source.lines[1..] {
-            say!("  {line}");
+    // What this run made anew: taken away again if a later file cannot be written.
+    let new_export = args.export.as_ref().filter(|e| !e.exists());
+    let new_figures = args.figures.as_ref().filter(|f| !f.exists());
+    let write_all = || {
+        if let Some(export) = &args.export {
+            write_whole(export, data_csv(dataset).as_bytes())?;
         }
-    }
-    let split = if dataset.trials > 1 {
-        format!("whole trials of {} held out", dataset.trials)
-    } else {
-        "first 70 % of the time trains, 0.5 s gap, the rest tests".to_owned()
+        folder.map(OutputFolder::publish).transpose()?;
+        save_model(model, &args.output)
     };
-    say!("\nHeld-out movement ({split}):");
-    say!("{}", quality_table(&model.quality, model.method));
-    say!(
-        "  RMSE of joint velocity over its rms; log-likelihood in nats per frame (floor 0.01 rad/s; in \
-         all\n  joints with S_x = (1e-4)^2); mean joint error along the held-out hand path, without \
-         and with\n  the pull towards the person's postures; what the 90 % band of rollouts holds of \
-         the held-out joint\n  angles, and how wide it is. plain-ik is the plain pseudo-inverse."
-    );
-    let groups = model.weight_by_group().into_iter();
-    let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {:.0} %", 100.0 * s)).collect();
-    say!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
-    let noise = &model.law.noise;
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    say!(
-        "noise: {} directions; {} of the variance white, {} correlated over {:.2} s, {} lasting a whole \
-         movement;\n  {} of it grows with the hand speed",
-        noise.factor.ncols(),
-        percent(noise.shares.white),
-        percent(noise.shares.correlated),
-        noise.correlation_time_s,
-        percent(noise.shares.lasting),
-        percent(noise.speed_share)
-    );
-    if dataset.trials < 3 {
-        say!("  (from {} movement(s): what lasts a whole movement cannot be told)", dataset.trials);
-    }
-    let mark = if model.provenance.simulated { ", simulated" } else { "" };
-    say!(
-        "{}: `{}` ({}{mark}), learned on all {} frames",
-        path.display(),
-        model.name,
-        model.method.name(),
-        dataset.frames.len()
-    );
-}
-
-fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header([
-        "",
-        "method",
-        "relative RMSE",
-        "LL null",
-        "LL all",
-        "path error",
-        "with pull",
-        "90 % band holds",
-        "width",
-    ]);
-    for q in quality {
-        let path = |pick: fn((f64, f64)) -> f64| {
-            q.path_error_deg.map_or_else(|| "-".to_owned(), |p| format!("{:.2} deg", pick(p)))
-        };
-        table.add_row([
-            if q.method == chosen { "*" } else { "" }.to_owned(),
-            q.method.name().to_owned(),
-            format!("{:.3}", q.relative_rmse),
-            format!("{:.1}", q.log_likelihood_null),
-            format!("{:.1}", q.log_likelihood),
-            path(|p| p.0),
-            path(|p| p.1),
-            q.coverage.map_or_else(|| "-".to_owned(), |c| format!("{:.0} %", 100.0 * c.1)),
-            q.band_width_deg.map_or_else(|| "-".to_owned(), |w| format!("{w:.1} deg")),
-        ]);
-    }
-    for column in 2..9 {
-        if let Some(c) = table.column_mut(column) {
-            c.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
+    write_all().inspect_err(|_| {
+        // The first error is the one to report; what stays is visible to the user.
+        let _ = new_export.map(std::fs::remove_file);
+        let _ = new_figures.map(std::fs::remove_dir_all);
+    })
 }

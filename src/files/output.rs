@@ -8,6 +8,10 @@ use std::path::{Path, PathBuf};
 const MARKS: [&str; 5] =
     ["result.json", "comparison.csv", "size.json", "toy-5r.json", "summary.json"];
 
+/// The pictures of a training. A folder of nothing else may be replaced too; one that holds anything
+/// beside them may be somebody's collection of figures.
+const PICTURES: [&str; 2] = ["held_out.png", "weights.png"];
+
 /// A folder of results that appears complete or not at all.
 #[derive(Debug)]
 pub struct OutputFolder {
@@ -22,17 +26,19 @@ impl OutputFolder {
         let io = |e: std::io::Error| InputError::new(target, format!("cannot be written: {e}"));
         let target = std::path::absolute(target).map_err(io)?;
         if target.is_dir() {
-            let is_empty = target.read_dir().map_err(io)?.next().is_none();
-            if !is_empty && !MARKS.iter().any(|mark| target.join(mark).is_file()) {
+            if !MARKS.iter().any(|mark| target.join(mark).is_file())
+                && !holds_pictures_only(&target).map_err(io)?
+            {
                 return Err(InputError::new(
                     &target,
                     "exists and is not an ergopath output folder",
                 )
-                .remedy("choose another folder with -o, or remove this one yourself"));
+                .remedy("choose another folder, or remove this one yourself"));
             }
         } else if target.exists() {
-            return Err(InputError::new(&target, "is a file, not a folder")
-                .remedy("choose another folder with -o"));
+            return Err(
+                InputError::new(&target, "is a file, not a folder").remedy("choose another folder")
+            );
         }
         let parent = target.parent().unwrap_or(Path::new("/"));
         std::fs::create_dir_all(parent).map_err(io)?;
@@ -78,6 +84,17 @@ impl OutputFolder {
         }
         Ok(target)
     }
+}
+
+/// Whether a folder is empty, or holds no other files than [`PICTURES`].
+fn holds_pictures_only(folder: &Path) -> std::io::Result<bool> {
+    for entry in folder.read_dir()? {
+        let name = entry?.file_name();
+        if !PICTURES.iter().any(|picture| name == *picture) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// Temporary folders are private; a published folder gets the permissions of any new folder.
@@ -137,6 +154,17 @@ mod tests {
         std::fs::create_dir(&foreign).unwrap();
         std::fs::write(foreign.join("thesis.tex"), b"x").unwrap();
         assert!(OutputFolder::create(&foreign).is_err());
+
+        // Pictures of a training are replaced, unless something else lies beside them.
+        let pictures = room.path().join("pictures");
+        for _ in 0..2 {
+            let folder = OutputFolder::create(&pictures).unwrap();
+            folder.write(PICTURES[0], b"x").unwrap();
+            folder.publish().unwrap();
+        }
+        std::fs::write(pictures.join("my_own.png"), b"x").unwrap();
+        assert!(OutputFolder::create(&pictures).is_err());
+        std::fs::remove_dir_all(&pictures).unwrap();
         // Nothing is left behind but the two folders.
         assert_eq!(room.path().read_dir().unwrap().count(), 2);
     }

@@ -178,16 +178,15 @@ impl PostureModel {
     ///
     /// W is only known up to its scale, and single joints are poorly determined; groups are stable.
     pub fn weight_by_group(&self) -> Vec<(&'static str, f64)> {
-        let groups = ["spine", "girdle", "shoulder", "elbow", "wrist"];
         let total = self.law.weight.trace();
-        groups
+        JOINT_GROUPS
             .into_iter()
             .map(|g| {
                 let share: f64 = self
                     .joints
                     .iter()
                     .enumerate()
-                    .filter(|(_, j)| group_of(j) == g)
+                    .filter(|(_, j)| joint_group(j) == g)
                     .map(|(i, _)| self.law.weight[(i, i)])
                     .sum();
                 (g, share / total)
@@ -196,8 +195,11 @@ impl PostureModel {
     }
 }
 
-/// Joint group of an Xsens joint name.
-fn group_of(joint: &str) -> &'static str {
+/// Groups of joints from the pelvis to the hand.
+const JOINT_GROUPS: [&str; 5] = ["spine", "girdle", "shoulder", "elbow", "wrist"];
+
+/// The group of an Xsens joint name: spine, girdle, shoulder, elbow or wrist.
+pub fn joint_group(joint: &str) -> &'static str {
     if joint.contains("C7Shoulder") {
         "girdle"
     } else if joint.contains("Shoulder") {

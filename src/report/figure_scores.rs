@@ -164,7 +164,8 @@ fn level_bar(
 ) -> Drawn {
     let Some(body) = worst_body(candidate) else { return Ok(()) };
     let rank = candidate.rank.map_or_else(String::new, |r| format!("{r}. "));
-    let name = shortened(sheet, &format!("{rank}{}", candidate.id), 290.0);
+    let name = format!("{rank}{}", candidate.id);
+    let name = sheet.shortened(&name, 290.0, Type::bold(LABEL));
     let bold = Type { bold: candidate.rank == Some(1), ..Type::plain(LABEL) };
     sheet.text(&name, (along(0.0) - 16.0, y), bold, Anchor::Right)?;
     let mut from = 0.0;
@@ -186,15 +187,6 @@ fn level_bar(
     sheet.text(&above, (1400.0, y), bold, Anchor::Right)?;
     let people = percent(body.rula.p_at_least.get(5).copied().unwrap_or(0.0));
     sheet.text(&people, (1580.0, y), bold, Anchor::Right)
-}
-
-/// A name cut to a width.
-fn shortened(sheet: &Sheet, name: &str, width: f64) -> String {
-    let mut text = name.to_owned();
-    while sheet.width(&text, Type::bold(LABEL)) > width && text.chars().count() > 4 {
-        text = text.chars().take(text.chars().count() - 2).collect::<String>() + "…";
-    }
-    text
 }
 
 /// `figures/parts.png`.

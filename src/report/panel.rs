@@ -60,11 +60,16 @@ impl Panel {
 
     /// Grid lines at the ticks of both axes.
     pub(super) fn grid(&self, sheet: &Sheet) -> Drawn {
+        self.grid_at(sheet, &self.y_ticks())
+    }
+
+    /// The same with ticks of one's own along y.
+    pub(super) fn grid_at(&self, sheet: &Sheet, y_ticks: &[f64]) -> Drawn {
         let pen = Pen { color: GRID, width: 1.0, stroke: Stroke::Solid };
         for x in self.x_ticks() {
             sheet.line(&[self.at(x, self.y.0), self.at(x, self.y.1)], pen)?;
         }
-        for y in self.y_ticks() {
+        for &y in y_ticks {
             sheet.line(&[self.at(self.x.0, y), self.at(self.x.1, y)], pen)?;
         }
         Ok(())

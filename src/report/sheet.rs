@@ -202,6 +202,35 @@ impl Sheet<'_> {
         Ok(self.area.draw(&Text::new(text.to_owned(), fine(at), kind.style(anchor)))?)
     }
 
+    /// A text in lines of at most `width`, the first one at the point (its left end).
+    pub(super) fn paragraph(&self, text: &str, at: At, width: f64, kind: Type) -> Drawn {
+        let mut lines = vec![String::new()];
+        for word in text.split_whitespace() {
+            let last = lines.last().map_or("", String::as_str);
+            let longer = if last.is_empty() { word.to_owned() } else { format!("{last} {word}") };
+            match lines.last_mut() {
+                Some(last) if last.is_empty() || self.width(&longer, kind) <= width => {
+                    *last = longer;
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        for (i, line) in lines.iter().enumerate() {
+            let y = at.1 + 1.45 * kind.size * i as f64;
+            self.text(&self.shortened(line, width, kind), (at.0, y), kind, Anchor::Left)?;
+        }
+        Ok(())
+    }
+
+    /// A text cut to a width.
+    pub(super) fn shortened(&self, text: &str, width: f64, kind: Type) -> String {
+        let mut text = text.to_owned();
+        while self.width(&text, kind) > width && text.chars().count() > 4 {
+            text = text.chars().take(text.chars().count() - 2).collect::<String>() + "…";
+        }
+        text
+    }
+
     /// A text on a white ground, readable over lines.
     pub(super) fn label(&self, text: &str, at: At, kind: Type, anchor: Anchor) -> Drawn {
         let (w, h) = (self.width(text, kind), kind.size);

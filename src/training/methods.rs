@@ -338,7 +338,7 @@ fn diagonal_weight(moment: &DMatrix<f64>, log_w: &[f64]) -> DMatrix<f64> {
 }
 
 /// 0.3, or 0.5 for a single trial shorter than 4 s.
-fn default_shrinkage(frames: &[&Frame]) -> f64 {
+pub(super) fn default_shrinkage(frames: &[&Frame]) -> f64 {
     let is_single = frames.iter().all(|f| f.trial == frames[0].trial);
     let span = match (frames.first(), frames.last()) {
         (Some(a), Some(b)) => b.time_s - a.time_s,

@@ -23,13 +23,15 @@ use crate::math::Pose;
 use crate::math::redundancy::{null_space_basis, weighted_pseudo_inverse};
 use crate::math::stats::quantile_of_sorted;
 use crate::math::stream::{Purpose, stream};
-use crate::posture::{Floors, HandPath, Noise, PostureLaw, Sampler, Sampling, Start, roll_out};
+use crate::posture::{
+    Floors, HandPath, Noise, PostureLaw, Rollout, Sampler, Sampling, Start, roll_out,
+};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Rollouts of a band, and while the noise is calibrated.
-const ROLLOUTS: u32 = 100;
+pub(super) const ROLLOUTS: u32 = 100;
 const CALIBRATION_ROLLOUTS: u32 = 40;
 /// Coverage at which the noise is calibrated. The quantiles of 40 rollouts lie inside those of the
 /// distribution, so that a perfect sampler would show 0.856; a little more is asked, because movements
@@ -98,15 +100,7 @@ pub fn check_rollouts(
     let paths = pieces(&test);
     let free = law.law.clone();
     let pulled = PostureLaw { attraction: attraction.clone(), ..law.law.clone() };
-    let walking = learn_walking(dataset, &fold.train, law, settings)?;
-    let (mut noise, mut calibration) = (walking.noise, walking.calibration);
-    if settings.sampling == Sampling::Independent {
-        // The published sampler as it is.
-        noise.factor /= calibration;
-        calibration = 1.0;
-    }
-    let mut sampled = if walking.is_pulled { pulled.clone() } else { free.clone() };
-    sampled.noise = noise;
+    let (sampled, walking) = sampled_law(dataset, &fold.train, law, settings)?;
     let (bands, reach_exceeded_share) =
         bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
     Ok(RolloutScore {
@@ -115,10 +109,31 @@ pub fn check_rollouts(
         drift_deg: (drift_deg(dataset, &free, &paths), drift_deg(dataset, &pulled, &paths)),
         bands,
         trajectory_ll: trajectory_ll(dataset, &sampled, &paths, floors)?,
-        calibration,
+        calibration: walking.calibration,
         is_pulled: walking.is_pulled,
         reach_exceeded_share,
     })
+}
+
+/// The law by which people are drawn who walk what `train` does not hold: with its pull where that
+/// helps and its noise, calibrated but for the published sampler.
+pub(super) fn sampled_law(
+    dataset: &Dataset,
+    train: &[usize],
+    law: &Law,
+    settings: &TrainSettings,
+) -> Result<(PostureLaw, Walking), InputError> {
+    let mut walking = learn_walking(dataset, train, law, settings)?;
+    if settings.sampling == Sampling::Independent {
+        // The published sampler as it is.
+        walking.noise.factor /= walking.calibration;
+        walking.calibration = 1.0;
+    }
+    let frames = dataset.select(train);
+    let attraction =
+        if walking.is_pulled { learn_attraction(dataset, &frames, settings) } else { None };
+    let noise = walking.noise.clone();
+    Ok((PostureLaw { attraction, noise, ..law.law.clone() }, walking))
 }
 
 /// Uninterrupted paths of a length that a band makes sense for.
@@ -263,6 +278,26 @@ fn drift_deg(dataset: &Dataset, law: &PostureLaw, paths: &[Vec<&Frame>]) -> f64 
     crate::math::stats::mean(&drifts)
 }
 
+/// People drawn by a sampler, who walk along the hand path of the p-th piece.
+pub(super) fn walks(
+    dataset: &Dataset,
+    law: &PostureLaw,
+    sampler: &Sampler,
+    (p, run): (usize, &[&Frame]),
+    (rollouts, seed): (u32, u64),
+) -> Vec<Rollout> {
+    let (path, start) = walk_path(dataset, law, run);
+    let dt = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
+    (0..rollouts)
+        .into_par_iter()
+        .map(|r| {
+            let mut rng = stream(seed, Purpose::Posture, p as u32, r);
+            let person = sampler.draw(&mut rng, run.len(), dt);
+            roll_out(&dataset.coupling, law, &path, &start, Some(&person))
+        })
+        .collect()
+}
+
 /// Bands of sampled rollouts along paths, and the share of walks that could not continue.
 pub(super) fn bands(
     dataset: &Dataset,
@@ -275,16 +310,7 @@ pub(super) fn bands(
     let (mut sum, mut count, mut ended) = (Bands::default(), 0.0, 0);
     let mut ends = 0.0;
     for (p, run) in paths.iter().enumerate() {
-        let (path, start) = walk_path(dataset, law, run);
-        let dt = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
-        let walks: Vec<_> = (0..rollouts)
-            .into_par_iter()
-            .map(|r| {
-                let mut rng = stream(seed, Purpose::Posture, p as u32, r);
-                let person = sampler.draw(&mut rng, run.len(), dt);
-                roll_out(&dataset.coupling, law, &path, &start, Some(&person))
-            })
-            .collect();
+        let walks = walks(dataset, law, &sampler, (p, run), (rollouts, seed));
         ended += walks.iter().filter(|w| w.reach_exceeded_at.is_some()).count();
         let n = run[0].q.len();
         let mut values = vec![0.0; walks.len()];

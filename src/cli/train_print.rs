@@ -1,0 +1,127 @@
+//! What `train` says: the recordings, the quality of the methods, and what was learned.
+
+use super::train::Source;
+use crate::posture::{Method, MethodQuality, PostureModel};
+use crate::training::Dataset;
+use comfy_table::{CellAlignment, Table, presets};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Prints JSON at full precision.
+pub(super) fn print_json(
+    sources: &[Source],
+    dataset: &Dataset,
+    model: &PostureModel,
+    figures: &[PathBuf],
+) {
+    let recordings: Vec<_> = sources
+        .iter()
+        .map(|s| json!({"source": s.name, "sha256": s.sha256, "simulated": s.simulated, "fit": s.fit}))
+        .collect();
+    let figures: Vec<String> = figures.iter().map(|path| path.display().to_string()).collect();
+    say!(
+        "{}",
+        json!({
+            "recordings": recordings,
+            "frames": dataset.frames.len(),
+            "trials": dataset.trials,
+            "quality": model.quality,
+            "weight_by_group": model.weight_by_group().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+            "noise": {
+                "rank": model.law.noise.factor.ncols(),
+                "shares": model.law.noise.shares,
+                "correlation_time_s": model.law.noise.correlation_time_s,
+                "speed_share": model.law.noise.speed_share,
+            },
+            "figures": figures,
+            "model": {"name": model.name, "method": model.method, "provenance": model.provenance},
+        })
+    );
+}
+
+/// Prints what was read, how well the methods do, and what was learned.
+pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureModel, path: &Path) {
+    for source in sources {
+        say!("{}: {}", source.name, source.lines[0]);
+        for line in &source.lines[1..] {
+            say!("  {line}");
+        }
+    }
+    let split = if dataset.trials > 1 {
+        format!("whole trials of {} held out", dataset.trials)
+    } else {
+        "first 70 % of the time trains, 0.5 s gap, the rest tests".to_owned()
+    };
+    say!("\nHeld-out movement ({split}):");
+    say!("{}", quality_table(&model.quality, model.method));
+    say!(
+        "  RMSE of joint velocity over its rms; log-likelihood in nats per frame (floor 0.01 rad/s; in \
+         all\n  joints with S_x = (1e-4)^2); mean joint error along the held-out hand path, without \
+         and with\n  the pull towards the person's postures; what the 90 % band of rollouts holds of \
+         the held-out joint\n  angles, and how wide it is. plain-ik is the plain pseudo-inverse."
+    );
+    let groups = model.weight_by_group().into_iter();
+    let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {:.0} %", 100.0 * s)).collect();
+    say!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
+    let noise = &model.law.noise;
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    say!(
+        "noise: {} directions; {} of the variance white, {} correlated over {:.2} s, {} lasting a whole \
+         movement;\n  {} of it grows with the hand speed",
+        noise.factor.ncols(),
+        percent(noise.shares.white),
+        percent(noise.shares.correlated),
+        noise.correlation_time_s,
+        percent(noise.shares.lasting),
+        percent(noise.speed_share)
+    );
+    if dataset.trials < 3 {
+        say!("  (from {} movement(s): what lasts a whole movement cannot be told)", dataset.trials);
+    }
+    let mark = if model.provenance.simulated { ", simulated" } else { "" };
+    say!(
+        "{}: `{}` ({}{mark}), learned on all {} frames",
+        path.display(),
+        model.name,
+        model.method.name(),
+        dataset.frames.len()
+    );
+}
+
+fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header([
+        "",
+        "method",
+        "relative RMSE",
+        "LL null",
+        "LL all",
+        "path error",
+        "with pull",
+        "90 % band holds",
+        "width",
+    ]);
+    for q in quality {
+        let path = |pick: fn((f64, f64)) -> f64| {
+            q.path_error_deg.map_or_else(|| "-".to_owned(), |p| format!("{:.2} deg", pick(p)))
+        };
+        table.add_row([
+            if q.method == chosen { "*" } else { "" }.to_owned(),
+            q.method.name().to_owned(),
+            format!("{:.3}", q.relative_rmse),
+            format!("{:.1}", q.log_likelihood_null),
+            format!("{:.1}", q.log_likelihood),
+            path(|p| p.0),
+            path(|p| p.1),
+            q.coverage.map_or_else(|| "-".to_owned(), |c| format!("{:.0} %", 100.0 * c.1)),
+            q.band_width_deg.map_or_else(|| "-".to_owned(), |w| format!("{w:.1} deg")),
+        ]);
+    }
+    for column in 2..9 {
+        if let Some(c) = table.column_mut(column) {
+            c.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
