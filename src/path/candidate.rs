@@ -8,7 +8,8 @@
 //! path is drawn with density `exp(-bending / 2 sigma^2)`, so that smooth deviations are the likely
 //! ones, and `sigma` is chosen to make the offset in mid-path as large as asked. The curve is
 //! traversed by the minimum-jerk law *in its arc length*, so that every family, the straight one
-//! included, has the same bell-shaped speed.
+//! included, has the same bell-shaped speed. A candidate of the search may have a pace of its own
+//! ([`super::pace`]) and go through that law quicker and slower.
 
 use super::pace::Pace;
 use super::spline::ClampedSpline;
@@ -246,7 +247,7 @@ pub fn drawn(
 }
 
 /// The candidate as a timed path, `steps + 1` samples over `duration_s` (its rest included), without
-/// regard to limits: minimum jerk along the arc length of its curve, the orientation turning from
+/// regard to limits: minimum jerk along the arc length of its curve, at its pace; the orientation turning from
 /// start to goal by the same law.
 pub fn reference_path(
     candidate: &Candidate,
