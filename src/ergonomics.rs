@@ -5,6 +5,7 @@
 //! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg), and their rates
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
 //! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
+//! method    the scores that rank and are reported: RULA, REBA
 //! paired    two paths, the same people      ─► PairedDifference
 //! unpaired  two groups of other people      ─► UnpairedDifference
 //! drivers   sheets of many rollouts         ─► StepShare: which step drives the score
@@ -30,6 +31,7 @@ mod en1005_4;
 mod exposure;
 mod iso11226;
 mod luba;
+mod method;
 mod niosh;
 mod paired;
 mod profile;
@@ -44,7 +46,7 @@ mod unpaired;
 mod worksheet;
 mod zones;
 
-pub use action_levels::{ActionLevelShare, reba_action_levels, rula_action_levels};
+pub use action_levels::ActionLevelShare;
 pub use angle_rates::{ArmRates, BodyRates, arm_rates, trunk_neck_rates};
 pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
@@ -65,6 +67,7 @@ pub use luba::{
     LUBA_PROVENANCE, LUBA_REST_DEG, LubaJoint, LubaMotion, LubaPart, LubaPosture, LubaScore, luba,
     luba_category, luba_category_words,
 };
+pub use method::{PerMethod, ScoringMethod};
 pub use niosh::{
     LOAD_CONSTANT_KG, LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftLimit,
     LiftMultipliers, LiftNote, LiftPoint, LiftTask, NIOSH_PROVENANCE, PathLift, assess_lift,
@@ -80,8 +83,8 @@ pub use rula::{
 };
 pub use rula_continuous::{CONTINUOUS_JOINTS, RULA_CONTINUOUS, rula_continuous};
 pub use sensitivity::{
-    BodyPart, ExpectedScores, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity,
-    ThresholdShift, threshold_sensitivity,
+    BodyPart, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity, ThresholdShift,
+    threshold_sensitivity,
 };
 pub use smooth::{
     AngleGradient, DEFAULT_WIDTH_DEG, METRES_PER_DEG, SheetGradient, Smooth, SmoothRebaSteps,

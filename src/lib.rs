@@ -86,3 +86,4 @@ pub mod scoring;
 pub mod survey;
 pub mod training;
 pub mod trajectory;
+pub mod words;

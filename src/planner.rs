@@ -13,6 +13,7 @@
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
+mod along;
 mod apart;
 mod causes;
 mod cell_look;
@@ -21,6 +22,8 @@ mod evaluate;
 mod explain;
 mod filming;
 mod finalists;
+mod findings;
+mod guard;
 mod lens;
 mod moments;
 mod near;
@@ -33,19 +36,23 @@ mod result;
 mod resume;
 mod robot_words;
 mod scene;
+mod scored;
 mod search;
 mod searches;
 mod space;
 mod stored;
 mod timing;
+mod verdict;
 
 pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
+pub use findings::{Figure, Finding, Severity, Subject, Why};
 pub use objective::Figures;
 pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
-pub use preset::{Objective, Preset, load_preset, planner_schema, preset_names};
+pub use preset::{MethodWeights, Objective, Preset, load_preset, planner_schema, preset_names};
 pub use result::*;
 pub use resume::Checkpoint;
 pub use scene::*;
+pub use scored::MethodFigures;
 pub use search::{SearchState, Tried};
 pub use stored::{Freshness, freshness, parse_result, read_result, result_file};

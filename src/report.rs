@@ -100,7 +100,7 @@ pub fn files_again(
     let view = View { out_of_date, ..View::of(result) };
     let mut files = vec![
         ("result.json".to_owned(), result_json(result)?.into_bytes()),
-        ("candidates.csv".to_owned(), tables::candidates(result)?),
+        ("candidates.csv".to_owned(), tables::candidates(&view)?),
     ];
     for candidate in &view.reported {
         if let (Some(rank), Some(path)) = (candidate.rank, &candidate.path) {

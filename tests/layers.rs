@@ -18,7 +18,8 @@ const FLOORS: &[&[&str]] = &[
     &["posture", "path", "recording", "survey"],
     &["scenario", "training"],
     &["planner", "scoring"],
-    &["report", "ergobench"],
+    &["words", "ergobench"],
+    &["report"],
     &["cli"],
 ];
 /// The hall and the door may name any module.

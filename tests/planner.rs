@@ -5,7 +5,7 @@
 use ergopath::ergobench::{Family, draw};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::planner::{
-    Evaluated, PlanError, Preset, Request, RunResult, Step, load_preset, plan,
+    Evaluated, Finding, PlanError, Preset, Request, RunResult, Step, load_preset, plan,
 };
 use ergopath::report::result_json;
 use ergopath::scenario::{Scenario, read_scenario};
@@ -89,8 +89,17 @@ fn the_goal_may_be_chosen_within_its_box_and_its_worth_is_told() {
     for id in ["straight", "expert_arc", "without goal position"] {
         assert!((end(id)[0] - goal.x).abs() < 1e-9, "{id}");
     }
-    assert!(result.verdict.lines.iter().any(|l| l.contains("Freedom of the goal position")));
-    assert!(result.verdict.lines.iter().any(|l| l.contains("Freedom of the goal yaw")));
+    let worth: Vec<Option<String>> = result
+        .verdict
+        .findings
+        .iter()
+        .filter_map(|f| match f {
+            Finding::Worth { freedom, .. } => Some(freedom.clone()),
+            _ => None,
+        })
+        .collect();
+    assert!(worth.contains(&Some("goal position".into())), "{worth:?}");
+    assert!(worth.contains(&Some("goal yaw".into())), "{worth:?}");
 }
 
 #[test]
@@ -102,7 +111,7 @@ fn heights_for_bent_legs_are_refused_in_words() {
         let file = room.path().join("scenario.toml");
         std::fs::write(&file, station.scenario("male_p95", "demo_operator", 1)).unwrap();
         let result = run(&read_scenario(&file).unwrap(), &request(tiny()));
-        assert!(result.verdict.best.is_none(), "{family:?}: {}", result.verdict.headline);
+        assert!(result.verdict.best.is_none(), "{family:?}: {:?}", result.verdict.best);
         let said = result.verdict.lines.join(" ");
         assert!(said.contains("needs bent legs"), "{family:?}: {said}");
     }

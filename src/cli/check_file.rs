@@ -131,14 +131,14 @@ fn result(r: &crate::planner::RunResult) -> Explained {
     let p = &r.provenance;
     let feasible = r.candidates.iter().filter(|c| c.status == Status::Feasible).count();
     let mut explained = Explained::new("a finished run")
-        .saying(format!("{}: {}", r.setting.name, r.verdict.headline))
+        .saying(format!("{}: {}", r.setting.name, crate::words::verdict::headline(r)))
         .saying(format!("{} paths, {feasible} of them feasible", r.candidates.len()))
         .saying(format!("made by: {} (ergopath {})", p.command, p.program_version));
     for (name, hash) in &p.inputs {
         explained =
             explained.saying(format!("input {name}: SHA-256 {}…", &hash[..hash.len().min(16)]));
     }
-    explained.mind.extend(r.verdict.caveat.clone());
+    explained.mind.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).to_owned()));
     explained.mind.extend(r.warnings.iter().cloned());
     explained
 }

@@ -168,7 +168,7 @@ fn best_path(
             changed.join(", ")
         ));
     }
-    let best = result.candidates.iter().find(|c| Some(&c.id) == result.verdict.best.as_ref());
+    let best = crate::words::verdict::lead(&result).filter(|_| result.verdict.is_decided());
     let Some(best) = best else {
         return Err(InputError::new(place, "is a run without a feasible path")
             .remedy("leave --result out to assess the straight path"));

@@ -4,7 +4,9 @@ use super::plan_print::print;
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, OutputFolder, write_whole};
-use crate::planner::{self, Checkpoint, PlanError, Request, RunResult, Step, load_preset};
+use crate::planner::{
+    self, Checkpoint, Decision, PlanError, Request, RunResult, Step, load_preset,
+};
 use crate::report;
 use crate::scenario::{Scenario, read_scenario, read_user_path};
 use std::fmt::Write as _;
@@ -146,7 +148,10 @@ fn run(
         }
     }
     let _ = written;
-    Ok(if result.verdict.best.is_some() { Outcome::Done } else { Outcome::NothingFeasible })
+    Ok(match result.verdict.outcome {
+        Decision::Best | Decision::Assessed | Decision::NotSupported => Outcome::Done,
+        Decision::NothingFeasible => Outcome::NothingFeasible,
+    })
 }
 
 /// Runs on a pool of the asked size.

@@ -51,7 +51,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
         complain!("out of date: {what}");
     }
     if !args.quiet {
-        say!("{}", result.verdict.headline);
+        say!("{}", crate::words::verdict::headline(&result));
         say!("  {}", checked(&freshness));
         say!("\n{}", target.join("report.html").display());
     }

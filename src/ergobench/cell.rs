@@ -130,13 +130,13 @@ pub(super) fn run_cell(
         let Some(f) = bodies.into_iter().next() else { continue };
         cell.outcomes.push(Outcome {
             planner,
-            expected_rula: mean(&f.rula),
-            cvar90_rula: cvar_upper(&f.rula, 0.1),
-            exposure_rula_5: mean(&f.exposure_rula_5),
-            expected_reba: mean(&f.reba),
+            expected_rula: mean(&f.rula().time_mean),
+            cvar90_rula: cvar_upper(&f.rula().time_mean, 0.1),
+            exposure_rula_5: mean(&f.rula().high),
+            expected_reba: mean(&f.reba().time_mean),
             reach_exceeded: mean(&f.lost),
             predicted_rula: predicted,
-            rula: f.rula,
+            rula: f.rula().time_mean.clone(),
         });
     }
     Ok(cell)
@@ -164,7 +164,7 @@ fn named_paths(ours: &RunResult, oracle: &RunResult) -> Vec<(String, TimedPath, 
             let poses = p.tcp.iter().map(pose).collect();
             TimedPath::new(p.time_s.clone(), poses).ok()
         });
-        let predicted = c.bodies.first().map(|b| b.rula.expected);
+        let predicted = c.bodies.first().map(|b| b.rula().distribution.expected);
         all.extend(path.map(|p| (name.to_owned(), p, predicted)));
     };
     let own = reported(ours);

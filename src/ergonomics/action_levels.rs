@@ -1,8 +1,6 @@
 //! Time and probability at every action level, with its words.
 
 use super::exposure::ScoreDistribution;
-use super::reba::{REBA_WORST, reba_action_level, reba_action_words};
-use super::rula::{RULA_WORST, rula_action_level, rula_action_words};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -30,21 +28,12 @@ pub struct ActionLevelShare {
     pub p_at_least_se: Option<f64>,
 }
 
-/// The four action levels of RULA (1993 paper, p. 96) in a distribution of grand scores.
-pub fn rula_action_levels(scores: &ScoreDistribution) -> Vec<ActionLevelShare> {
-    levels(scores, RULA_WORST, rula_action_level, rula_action_words)
-}
-
-/// The five action levels of REBA (2000 paper) in a distribution of final scores.
-pub fn reba_action_levels(scores: &ScoreDistribution) -> Vec<ActionLevelShare> {
-    levels(scores, REBA_WORST, reba_action_level, reba_action_words)
-}
-
-fn levels(
+/// A distribution by the action levels of a method: RULA 1-4 (1993 paper, p. 96), REBA 0-4 (2000 paper).
+pub(super) fn levels(
     scores: &ScoreDistribution,
     worst: u8,
-    level_of: fn(u8) -> u8,
-    words: fn(u8) -> &'static str,
+    level_of: impl Fn(u8) -> u8,
+    words: impl Fn(u8) -> &'static str,
 ) -> Vec<ActionLevelShare> {
     // Scores start at 1 in both methods.
     (level_of(1)..=level_of(worst))
@@ -73,15 +62,16 @@ fn levels(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::ergonomics::{P_AT_LEAST_S, score_distribution};
+    use crate::ergonomics::{
+        P_AT_LEAST_S, REBA_WORST, RULA_WORST, ScoringMethod, score_distribution,
+    };
     use approx::assert_relative_eq;
 
     #[test]
     fn rula_levels_of_a_small_case() {
         let scores = vec![vec![2, 3, 5, 7], vec![1, 1, 6, 6]];
         let d = score_distribution(&scores, 0.5, RULA_WORST, P_AT_LEAST_S).unwrap();
-        let levels = rula_action_levels(&d);
+        let levels = ScoringMethod::Rula.levels(&d);
         let bounds: Vec<_> = levels.iter().map(|l| (l.level, l.from_score, l.to_score)).collect();
         assert_eq!(bounds, [(1, 1, 2), (2, 3, 4), (3, 5, 6), (4, 7, 7)]);
         let shares: Vec<f64> = levels.iter().map(|l| l.share).collect();
@@ -99,7 +89,7 @@ mod tests {
     fn reba_levels_cover_all_scores_once() {
         let scores = vec![(1..=15).collect::<Vec<u8>>()];
         let d = score_distribution(&scores, 0.1, REBA_WORST, P_AT_LEAST_S).unwrap();
-        let levels = reba_action_levels(&d);
+        let levels = ScoringMethod::Reba.levels(&d);
         assert_eq!(levels.len(), 5);
         assert_relative_eq!(levels.iter().map(|l| l.share).sum::<f64>(), 1.0, epsilon = 1e-12);
         let counts: Vec<f64> = levels.iter().map(|l| (l.share * 15.0).round()).collect();

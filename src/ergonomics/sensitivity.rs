@@ -13,6 +13,7 @@
 
 use super::angles::{ArmAngles, TrunkNeckAngles};
 use super::assess::{TaskInputs, worksheet};
+use super::method::PerMethod;
 use super::profile::Profile;
 use super::worksheet::Worksheet;
 use serde::{Deserialize, Serialize};
@@ -130,24 +131,15 @@ fn away(angle: f64, by: f64) -> f64 {
     }
 }
 
-/// Expected scores of both methods.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ExpectedScores {
-    /// Expected RULA.
-    pub rula: f64,
-    /// Expected REBA.
-    pub reba: f64,
-}
-
 /// Expected scores with laxer, official and stricter thresholds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ThresholdBand {
     /// The part whose thresholds move; `None` for all parts together.
     pub part: Option<BodyPart>,
     /// Scores with the thresholds farther from neutral: the lower end.
-    pub laxer: ExpectedScores,
+    pub laxer: PerMethod<f64>,
     /// Scores with the thresholds nearer to neutral: the upper end.
-    pub stricter: ExpectedScores,
+    pub stricter: PerMethod<f64>,
 }
 
 /// Sensitivity of the expected scores to the place of the thresholds.
@@ -156,7 +148,7 @@ pub struct ThresholdSensitivity {
     /// How far the thresholds were moved either way, deg.
     pub by_deg: f64,
     /// With the thresholds where they are.
-    pub official: ExpectedScores,
+    pub official: PerMethod<f64>,
     /// All thresholds together first, then one part at a time.
     pub bands: Vec<ThresholdBand>,
 }
@@ -171,7 +163,7 @@ pub const THRESHOLD_MOVE_DEG: f64 = 5.0;
 /// and in kilograms do not move.
 pub fn threshold_sensitivity(
     by_deg: f64,
-    expected: impl Fn(&ThresholdShift) -> ExpectedScores,
+    expected: impl Fn(&ThresholdShift) -> PerMethod<f64>,
 ) -> ThresholdSensitivity {
     let band = |part| ThresholdBand {
         part,

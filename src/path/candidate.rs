@@ -30,6 +30,8 @@ const CHORDS: usize = 2000;
 pub enum Family {
     /// The straight line.
     Straight,
+    /// The straight line with its timing chosen by the search.
+    StraightRetimed,
     /// Over the straight line (world z).
     Lifted,
     /// Under the straight line.

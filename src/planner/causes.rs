@@ -2,7 +2,7 @@
 
 use super::evaluate::Person;
 use super::prepare::{Prepared, Workshop};
-use super::result::{CandidateResult, Status, Verdict};
+use super::result::{CandidateResult, Caveat, Decision, Status, Verdict};
 use crate::human::{Stance, reach_ball, reach_gap};
 use crate::path::{Change, Reach, smallest_changes};
 use crate::scenario::Scenario;
@@ -33,7 +33,7 @@ pub(super) fn reaches(scenario: &Scenario) -> Vec<Reach> {
 }
 
 /// The verdict of a run without a feasible path: each kind of cause once, with its first case.
-pub(super) fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<String>) -> Verdict {
+pub(super) fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<Caveat>) -> Verdict {
     // Stage and kind of sentence, the first sentence of that kind, how many, whether all are equal.
     let mut reasons: Vec<(String, String, usize, bool)> = Vec::new();
     let mut marked = Vec::new();
@@ -66,8 +66,7 @@ pub(super) fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<St
         })
         .collect();
     lines.extend(marked);
-    let headline = "No path keeps all limits".to_owned();
-    Verdict { headline, lines, best: None, changes: Vec::new(), caveat }
+    Verdict { lines, ..Verdict::of(Decision::NothingFeasible, caveat) }
 }
 
 /// The sentence up to what would help, without its numbers: equal for equal causes.

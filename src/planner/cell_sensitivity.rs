@@ -191,10 +191,11 @@ fn outcome(
         Figures::of(&all[body].walk(&path, &nominal, (seed, BLOCK), 0..people), &lens)
     };
     let own = walk(path);
-    let against = straight.map(|s| paired_difference(&own.rula, &walk(s).rula));
+    let against =
+        straight.map(|s| paired_difference(&own.rula().time_mean, &walk(s).rula().time_mean));
     Ok(Outcome {
-        expected_rula: mean(&own.rula),
-        exposure_rula_5: mean(&own.exposure_rula_5),
+        expected_rula: mean(&own.rula().time_mean),
+        exposure_rula_5: mean(&own.rula().high),
         reach_exceeded: mean(&own.lost),
         against_straight: against,
     })

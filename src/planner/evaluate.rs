@@ -2,16 +2,16 @@
 
 use super::near::{ArmAlong, Closest};
 use super::result::{BodyScores, PartScore, PosePicture, RolloutTable};
+use super::scored::{Scored, Sheets, travel_shares};
 use crate::ergonomics::{
-    ExpectedScores, P_AT_LEAST_S, REBA_WORST, RULA_WORST, RebaSteps, RulaSteps, ScoreDistribution,
-    StepShare, THRESHOLD_MOVE_DEG, ThresholdSensitivity, ThresholdShift, exposure_by_rollout, reba,
-    reba_action_levels, reba_step_shares, rula, rula_action_levels, rula_step_courses,
-    rula_step_shares, score_distribution, threshold_sensitivity, time_means,
+    P_AT_LEAST_S, PerMethod, RulaSteps, ScoringMethod, StepShare, THRESHOLD_MOVE_DEG,
+    ThresholdSensitivity, ThresholdShift, reba, reba_step_shares, rula, rula_step_courses,
+    rula_step_shares, score_distribution, threshold_sensitivity,
 };
 use crate::files::InputError;
 use crate::human::{Body, BodyPart, Envelope};
 use crate::math::Pose;
-use crate::math::stats::{mean, quantile};
+use crate::math::stats::mean;
 use crate::math::stream::{Purpose, stream};
 use crate::posture::{
     Behaviour, Coupling, FunctionDraw, HandPath, PostureLaw, Rollout, Sampler, Sampling, Start,
@@ -67,7 +67,10 @@ pub(super) struct Walk {
 /// The walks of one person along one path.
 pub(super) struct Walks {
     pub all: Vec<Walk>,
+    /// Interval of the samples, s.
     pub dt: f64,
+    /// Each sample's share of the hand travel.
+    pub travel: Vec<f64>,
     pub extrapolation_share: f64,
 }
 
@@ -165,7 +168,7 @@ impl<'a> Person<'a> {
                 Walk { rollout, angles, start }
             })
             .collect();
-        Walks { all: walks, dt, extrapolation_share: hand.extrapolation_share() }
+        Walks::along(&hand, dt, walks)
     }
 
     /// How many of some start postures get the hand to a TCP pose.
@@ -198,7 +201,7 @@ impl<'a> Person<'a> {
             })
             .collect();
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
-        Walks { all, dt, extrapolation_share: hand.extrapolation_share() }
+        Walks::along(hand, dt, all)
     }
 
     /// One walk without any chance in it: from the person's mean posture, by the law's mean. With
@@ -224,7 +227,7 @@ impl<'a> Person<'a> {
             })
             .collect();
         let dt = path.duration_s() / (path.time_s.len() - 1) as f64;
-        Walks { all, dt, extrapolation_share: hand.extrapolation_share() }
+        Walks::along(&hand, dt, all)
     }
 
     /// At least `count` people's functions of a block.
@@ -337,20 +340,14 @@ fn check_chain(coupling: &Coupling, scenario: &Scenario) -> Result<(), InputErro
 }
 
 impl Walks {
-    /// Sheets of every rollout and frame; nothing once the reach is exceeded.
-    fn sheets(&self, score: impl Fn(&PostureAngles) -> (RulaSteps, RebaSteps) + Sync) -> Sheets {
-        let one = |w: &Walk| {
-            let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
-            let scored = |(k, a): (usize, &PostureAngles)| (k < end).then(|| score(a));
-            w.angles.iter().enumerate().map(scored).collect()
-        };
-        Sheets(self.all.par_iter().map(one).collect())
+    fn along(hand: &HandPath, dt: f64, all: Vec<Walk>) -> Self {
+        let travel = travel_shares(hand.targets());
+        Self { all, dt, travel, extrapolation_share: hand.extrapolation_share() }
     }
 
-    /// Expected RULA and REBA under a lens.
-    pub(super) fn expected(&self, lens: &Lens) -> (f64, f64) {
-        let expected = self.sheets(|a| a.score(lens)).expected();
-        (expected.rula, expected.reba)
+    /// Expected scores under a lens.
+    pub(super) fn expected(&self, lens: &Lens) -> PerMethod<f64> {
+        Sheets::of(self, |a| a.score(lens)).expected()
     }
 
     /// Expected scores with the angle thresholds moved.
@@ -361,22 +358,26 @@ impl Walks {
                 let sheet = shift.worksheet(a.trunk_neck(lens.neck), &a.arm, task, &lens.profile);
                 (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
             };
-            self.sheets(scored).expected()
+            Sheets::of(self, scored).expected()
         })
     }
 
-    /// The objective's ingredients and everything the report shows of one body.
+    /// Everything the report shows of one body.
     pub(super) fn summary(
         &self,
         body: &str,
         lens: &Lens,
         other_arm: OtherArm,
     ) -> Option<BodyScores> {
-        let sheets = self.sheets(|a| a.score(lens));
-        let (rula_scores, reba_scores) = (sheets.rula(), sheets.reba());
-        let rula = distribution(&rula_scores, self.dt, RULA_WORST)?;
-        let reba = distribution(&reba_scores, self.dt, REBA_WORST)?;
-        let exposures = exposure_by_rollout(&rula_scores, 5);
+        let sheets = Sheets::of(self, |a| a.score(lens));
+        let scored = Scored::from_sheets(self, &sheets);
+        let scores = PerMethod::all(|m| {
+            let parts = match m {
+                ScoringMethod::Rula => rula_parts(&sheets.rula_steps(), lens),
+                ScoringMethod::Reba => parts(&reba_step_shares(&sheets.reba_steps())),
+            };
+            scored.report(m, parts)
+        })?;
         let exceeded: Vec<usize> =
             self.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
         let count = self.all.len() as f64;
@@ -389,22 +390,19 @@ impl Walks {
             self.all.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
         Some(BodyScores {
             body: body.to_owned(),
+            objective: 0.0,
             person_clearance: None,
             rollouts: self.all.len(),
-            rula_by_rollout: time_means(&rula_scores),
-            exposure_rula_5_band: [
-                mean(&exposures),
-                quantile(&exposures, 0.05),
-                quantile(&exposures, 0.95),
-            ],
+            scores,
             other_side_rula: match other_arm {
                 OtherArm::Unknown => None,
-                OtherArm::Hanging => distribution(&self.other_scores(lens), self.dt, RULA_WORST),
+                OtherArm::Hanging => score_distribution(
+                    &self.other_scores(lens),
+                    self.dt,
+                    ScoringMethod::Rula.worst(),
+                    P_AT_LEAST_S,
+                ),
             },
-            rula_levels: rula_action_levels(&rula),
-            reba_levels: reba_action_levels(&reba),
-            rula,
-            reba,
             reach_exceeded: exceeded.len() as f64 / count,
             reach_exceeded_from_s: exceeded.iter().min().map(|&k| k as f64 * self.dt),
             hand_residual_max_mm: 1e3 * largest(of(|r| r.max_residual_m)),
@@ -413,46 +411,12 @@ impl Walks {
             extrapolation_share: self.extrapolation_share,
             unusual_starts: self.all.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
             start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
-            parts: rula_parts(&sheets.rula_steps(), lens),
-            reba_parts: parts(&reba_step_shares(&sheets.reba_steps())),
         })
     }
 
     fn other_scores(&self, lens: &Lens) -> Vec<Vec<u8>> {
         let score = |w: &Walk| w.angles.iter().map(|a| a.other_rula(lens).grand).collect();
         self.all.iter().map(score).collect()
-    }
-}
-
-/// Both sheets of every rollout and frame; nothing once the reach is exceeded.
-struct Sheets(Vec<Vec<Option<(RulaSteps, RebaSteps)>>>);
-
-impl Sheets {
-    fn each<T>(&self, of: impl Fn(Option<&(RulaSteps, RebaSteps)>) -> T) -> Vec<Vec<T>> {
-        self.0.iter().map(|r| r.iter().map(|s| of(s.as_ref())).collect()).collect()
-    }
-
-    /// Grand scores; the worst there is after the reach is exceeded.
-    fn rula(&self) -> Vec<Vec<u8>> {
-        self.each(|s| s.map_or(RULA_WORST, |(rula, _)| rula.grand))
-    }
-
-    /// Final scores; the worst there is after the reach is exceeded.
-    fn reba(&self) -> Vec<Vec<u8>> {
-        self.each(|s| s.map_or(REBA_WORST, |(_, reba)| reba.total))
-    }
-
-    fn rula_steps(&self) -> Vec<Vec<Option<RulaSteps>>> {
-        self.each(|s| s.map(|(rula, _)| *rula))
-    }
-
-    fn reba_steps(&self) -> Vec<Vec<Option<RebaSteps>>> {
-        self.each(|s| s.map(|(_, reba)| *reba))
-    }
-
-    fn expected(&self) -> ExpectedScores {
-        let of = |scores: &[Vec<u8>]| mean(&time_means(scores));
-        ExpectedScores { rula: of(&self.rula()), reba: of(&self.reba()) }
     }
 }
 
@@ -473,8 +437,4 @@ fn parts(shares: &[StepShare]) -> Vec<PartScore> {
         over_time: Vec::new(),
     };
     shares.iter().map(part).collect()
-}
-
-fn distribution(scores: &[Vec<u8>], dt: f64, worst: u8) -> Option<ScoreDistribution> {
-    score_distribution(scores, dt, worst, P_AT_LEAST_S)
 }

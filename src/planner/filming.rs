@@ -80,7 +80,7 @@ impl Environment<'_> {
             self.people.iter().zip(walks).zip(&result.bodies).map(|((person, walks), b)| {
                 let pelvis = person.pelvis(&prepared.variant);
                 Filming { person, pelvis, samples: &samples, lens: self.lens }
-                    .people(walks, &b.rula_by_rollout)
+                    .people(walks, &b.rula().by_rollout)
             });
         Some(SceneMotion {
             candidate: prepared.id.clone(),

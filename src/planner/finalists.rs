@@ -1,12 +1,13 @@
 //! From the searches to the paths that are reported: ours, the baselines and the user's own.
 
+use super::guard::prices;
 use super::near::Care;
 use super::objective::{Figures, objective};
 use super::pipeline::{Environment, PlanError, SELECTION_BLOCK, counted};
 use super::prepare::Prepared;
-use super::result::{CandidateResult, Evaluated, Status};
+use super::result::{Bought, CandidateResult, Evaluated, Status};
 use super::search::{SearchState, Tried};
-use super::searches::{LEARNED, OURS, PLAIN, RANDOM, Searches, WITHOUT, held};
+use super::searches::{LEARNED, OURS, PLAIN, RANDOM, RETIMED, Searches, WITHOUT, held};
 use super::space::Space;
 use crate::path::{Candidate, Family};
 use rayon::prelude::*;
@@ -24,8 +25,17 @@ pub(super) struct Finalist {
     pub prepared: Prepared,
     /// Not one of ours: reported whatever its figures are.
     pub is_kept: bool,
-    /// The objective on the selection's people; none when nobody can be sent along it.
+    /// The objective on the selection's repetitions; none when it cannot be walked.
     pub value: Option<f64>,
+    /// In which figures it is clearly worse than the straight path on these repetitions.
+    pub bought: Vec<Bought>,
+}
+
+impl Finalist {
+    /// Not judged yet.
+    fn new(prepared: Prepared, is_kept: bool) -> Self {
+        Self { prepared, is_kept, value: None, bought: Vec::new() }
+    }
 }
 
 /// The pool: the best of our search, every baseline, the user's own paths.
@@ -38,7 +48,7 @@ pub(super) fn finalists(
     let workshop = environment.workshop;
     let kept = |mut prepared: Prepared, id: &str, family: Family| {
         (prepared.id, prepared.family) = (id.to_owned(), family);
-        Finalist { prepared, is_kept: true, value: None }
+        Finalist::new(prepared, true)
     };
     let mut pool = Vec::new();
     if let Some(state) = searches.of(OURS) {
@@ -48,7 +58,7 @@ pub(super) fn finalists(
         let is_ours = matches!(choice.candidate.family, Family::Straight | Family::ExpertArc);
         if is_ours && (choice.candidate.family == Family::Straight || !searches.done.is_empty()) {
             let prepared = workshop.candidate_thoroughly(&choice.candidate, &choice.variant);
-            pool.push(Finalist { prepared, is_kept: true, value: None });
+            pool.push(Finalist::new(prepared, true));
         }
     }
     for (name, id, family) in [
@@ -59,37 +69,29 @@ pub(super) fn finalists(
         let best = searches.of(name).and_then(|state| stand_in(environment, space, state));
         pool.extend(best.map(|p| kept(p, id, family)));
     }
+    if let (Some(narrow), Some(state)) = (space.retimed(), searches.of(RETIMED))
+        && let Some(best) = best_of(environment, &narrow, state)?
+    {
+        pool.push(kept(best, "straight_retimed", Family::StraightRetimed));
+    }
     for name in held(&environment.scenario.free) {
         let id = format!("{WITHOUT}{name}");
         let narrow = space.narrowed(Some(name));
-        let best = searches
-            .of(&id)
-            .map(|state| ours(environment, &narrow, state, preset.shortlist))
-            .transpose()?;
-        if let Some(best) = best.map(|pool| select(environment, pool)).transpose()?
-            && let Some(best) = best.into_iter().find(|f| f.value.is_some())
+        if let Some(state) = searches.of(&id)
+            && let Some(best) = best_of(environment, &narrow, state)?
         {
-            pool.push(kept(best.prepared, &id, Family::Held));
+            pool.push(kept(best, &id, Family::Held));
         }
     }
     pool.extend(shortest(environment, space, searches, &pool));
     let drawn = environment.scenario.drawn.iter();
     let nominal = environment.scenario.nominal();
-    pool.extend(drawn.map(|d| Finalist {
-        prepared:
-            workshop.candidate_thoroughly(
-                &Candidate { dwell_s: nominal.dwell_s, ..d.clone() },
-                &nominal,
-            ),
-        is_kept: true,
-        value: None,
+    pool.extend(drawn.map(|d| {
+        let candidate = Candidate { dwell_s: nominal.dwell_s, ..d.clone() };
+        Finalist::new(workshop.candidate_thoroughly(&candidate, &nominal), true)
     }));
     let users = environment.scenario.paths.iter();
-    pool.extend(users.map(|p| Finalist {
-        prepared: workshop.users(p),
-        is_kept: true,
-        value: None,
-    }));
+    pool.extend(users.map(|p| Finalist::new(workshop.users(p), true)));
     Ok(pool)
 }
 
@@ -115,6 +117,17 @@ fn stand_in(environment: &Environment, space: &Space, state: &SearchState) -> Op
     best
 }
 
+/// The best path of a search on the selection's people.
+fn best_of(
+    environment: &Environment,
+    space: &Space,
+    state: &SearchState,
+) -> Result<Option<Prepared>, PlanError> {
+    let pool = ours(environment, space, state, environment.preset.shortlist)?;
+    let best = select(environment, pool)?.into_iter().find(|f| f.value.is_some());
+    Ok(best.map(|f| f.prepared))
+}
+
 /// The best points of a search and its last centre.
 fn ours(
     environment: &Environment,
@@ -130,7 +143,7 @@ fn ours(
         decoded(environment, space, t)
     })?;
     let walkable = prepared.into_iter().flatten().filter(Prepared::is_walkable);
-    Ok(walkable.map(|prepared| Finalist { prepared, is_kept: false, value: None }).collect())
+    Ok(walkable.map(|prepared| Finalist::new(prepared, false)).collect())
 }
 
 fn decoded(environment: &Environment, space: &Space, tried: &Tried) -> Option<Prepared> {
@@ -154,7 +167,7 @@ fn shortest(
     let found = tried.filter(|t| t.people > 0).min_by(|a, b| a.length_m.total_cmp(&b.length_m))?;
     let mut prepared = decoded(environment, space, found)?;
     (prepared.id, prepared.family) = ("shortest".to_owned(), Family::Shortest);
-    Some(Finalist { prepared, is_kept: true, value: None })
+    Some(Finalist::new(prepared, true))
 }
 
 /// Successive halving of our own on fresh people, with all that is kept beside them. Best first; what
@@ -171,7 +184,7 @@ pub(super) fn select(
     let (mut known, mut wanted) = (0, FIRST_ROUND.min(preset.rollouts_final));
     loop {
         measure(environment, &mut pool, &mut figures, &ours, known..wanted)?;
-        ours.sort_by(|&a, &b| by_value(&pool[a], &pool[b]).then(a.cmp(&b)));
+        ours.sort_by(|&a, &b| by_worth(&pool[a], &pool[b]).then(a.cmp(&b)));
         if wanted >= preset.rollouts_final {
             break;
         }
@@ -185,9 +198,15 @@ pub(super) fn select(
     Ok(order.into_iter().map(|i| pool[i].clone()).collect())
 }
 
+/// By the objective.
 fn by_value(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
     let of = |f: &Finalist| f.value.unwrap_or(f64::INFINITY);
     of(a).total_cmp(&of(b))
+}
+
+/// The same, those that cannot be the best last.
+fn by_worth(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
+    a.bought.is_empty().cmp(&b.bought.is_empty()).reverse().then(by_value(a, b))
 }
 
 /// Sends people along some of the pool and sets their values.
@@ -202,6 +221,8 @@ fn measure(
         which.iter().copied().filter(|&i| pool[i].prepared.is_walkable()).collect();
     let block = (environment.seed, SELECTION_BLOCK);
     let total = walkable.len();
+    let straight = environment.straight.as_ref();
+    let straight = straight.map(|s| environment.figures(s, block, 0..people.end, Care::Blind));
     let found = counted(environment, "selecting", (0, total, None), &walkable, |&i| {
         environment.figures(&pool[i].prepared, block, people.clone(), Care::Selection)
     })?;
@@ -218,6 +239,8 @@ fn measure(
         let terms = environment.terms(&pool[i].prepared);
         let value = objective(&environment.preset.objective, &figures[i], terms);
         pool[i].value = is_usable.then_some(value);
+        let straight = straight.as_deref().unwrap_or_default();
+        pool[i].bought = prices(&environment.preset.objective, &figures[i], straight);
     }
     Ok(())
 }
@@ -247,6 +270,10 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             evaluated,
             vias_m: vias.into_iter().map(Into::into).collect(),
             chosen,
+            bend: None,
+            other_ends: None,
+            timing: None,
+            bought: Vec::new(),
             objective: (t.people > 0).then_some(t.value),
             bodies: Vec::new(),
             path: None,

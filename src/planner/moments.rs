@@ -2,7 +2,7 @@
 //! repetition, and the one that is held longest.
 
 use super::evaluate::{Person, Walk, Walks};
-use super::result::Moment;
+use super::result::{Moment, MomentKind};
 use crate::ergonomics::{Clock, TimeRules};
 use crate::scenario::Variant;
 use crate::survey::{Lens, PostureAngles};
@@ -21,18 +21,17 @@ pub(super) fn moments(
     let hardest = hardest_time(&scores);
     let typical = hardest.and_then(|k| Some((nearest_to_mean(&walks.all, &scores, k)?, k)));
     if let Some((r, k)) = typical {
-        found.push(at.moment("typical posture at the hardest moment", (r, k), None));
+        found.push(at.moment(MomentKind::TypicalAtHardest, (r, k), None));
         if let Some((middle, held_s)) = longest_hold(&walks.all[r], scores[r].len(), walks.dt, lens)
         {
-            let what = "posture that a typical repetition holds longest";
-            found.push(at.moment(what, (r, middle), Some(held_s)));
+            found.push(at.moment(MomentKind::HeldLongest, (r, middle), Some(held_s)));
         }
     }
     let all = scores.iter().enumerate().flat_map(|(r, s)| {
         s.iter().enumerate().map(move |(k, score)| (*score, std::cmp::Reverse((r, k))))
     });
     if let Some((_, std::cmp::Reverse(place))) = all.max() {
-        found.push(at.moment("hardest posture of all repetitions", place, None));
+        found.push(at.moment(MomentKind::Hardest, place, None));
     }
     found
 }
@@ -102,7 +101,7 @@ struct Place<'a> {
 }
 
 impl Place<'_> {
-    fn moment(&self, what: &str, (r, k): (usize, usize), held_s: Option<f64>) -> Moment {
+    fn moment(&self, what: MomentKind, (r, k): (usize, usize), held_s: Option<f64>) -> Moment {
         let walk = &self.walks.all[r];
         let angles = &walk.angles[k];
         let (rula, reba) = angles.score(self.lens);
@@ -120,7 +119,7 @@ impl Place<'_> {
             ("forearm twist", arm.wrist_twist_deg),
         ];
         Moment {
-            what: what.to_owned(),
+            what,
             body: self.person.name.clone(),
             repetition: r,
             time_s: k as f64 * self.walks.dt,

@@ -25,6 +25,8 @@ const MOST_IN_SEARCH: usize = 16;
 /// How closely it is looked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Care {
+    /// Nobody: only the scores are wanted.
+    Blind,
     /// The people that the best of a generation meet, at a few moments.
     Search,
     /// All people at some moments.
@@ -37,14 +39,18 @@ impl Care {
     /// Intervals between the moments that are looked at first.
     fn intervals(self) -> usize {
         match self {
-            Self::Search => 8,
+            Self::Blind | Self::Search => 8,
             Self::Selection | Self::Report => 24,
         }
     }
 
     /// Number of people who are looked at.
     pub(super) fn people(self) -> usize {
-        if self == Self::Search { MOST_IN_SEARCH } else { usize::MAX }
+        match self {
+            Self::Blind => 0,
+            Self::Search => MOST_IN_SEARCH,
+            Self::Selection | Self::Report => usize::MAX,
+        }
     }
 }
 

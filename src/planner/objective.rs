@@ -3,74 +3,60 @@
 use super::apart::crowding;
 use super::evaluate::Walks;
 use super::preset::Objective;
-use crate::ergonomics::{P_AT_LEAST_S, REBA_WORST, RULA_WORST};
+use super::scored::{MethodFigures, Scored};
+use crate::ergonomics::{PerMethod, ScoringMethod};
 use crate::math::stats::{cvar_upper, mean};
 use crate::scenario::PersonMargin;
 use crate::survey::Lens;
 
-/// Figures of one body along one path, one entry for each rollout.
+/// Figures of one body along one path, one entry for each repetition.
 #[derive(Debug, Clone, Default)]
 pub struct Figures {
-    /// Time mean of RULA.
-    pub rula: Vec<f64>,
-    /// Time mean of REBA.
-    pub reba: Vec<f64>,
-    /// Share of time at RULA 5 or more.
-    pub exposure_rula_5: Vec<f64>,
-    /// 1 where RULA 5 or more lasts for at least half a second in total.
-    pub level_3: Vec<f64>,
+    /// Scores by method.
+    pub scores: PerMethod<MethodFigures>,
     /// 1 where the reach is exceeded.
     pub lost: Vec<f64>,
     /// Earliest time at which a reach was exceeded, s.
     pub lost_from_s: Option<f64>,
     /// Root mean square joint speed, rad/s.
     pub effort: Vec<f64>,
-    /// Least distance to the robot, m, of the rollouts that were looked at.
+    /// Least distance to the robot, m, of the repetitions that were looked at.
     pub near_m: Vec<f64>,
     /// The least of these and what is there, in words; not in a search.
     pub nearest: Option<(f64, String)>,
 }
 
 impl Figures {
-    /// Of the rollouts of one body; after its reach is exceeded a rollout counts as the worst.
+    /// Of the repetitions of one body.
     pub(super) fn of(walks: &Walks, lens: &Lens) -> Self {
-        let mut all = Self::default();
-        for walk in &walks.all {
-            let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
-            let (mut rula, mut reba, mut high) = (0.0, 0.0, 0usize);
-            for (k, angles) in walk.angles.iter().enumerate() {
-                let (r, b) = if k >= end {
-                    (RULA_WORST, REBA_WORST)
-                } else {
-                    let (r, b) = angles.score(lens);
-                    (r.grand, b.total)
-                };
-                rula += f64::from(r);
-                reba += f64::from(b);
-                high += usize::from(r >= 5);
-            }
-            let count = walk.angles.len().max(1) as f64;
-            all.rula.push(rula / count);
-            all.reba.push(reba / count);
-            all.exposure_rula_5.push(high as f64 / count);
-            let lasts = high > 0 && high as f64 * walks.dt >= P_AT_LEAST_S - 1e-9;
-            all.level_3.push(f64::from(u8::from(lasts)));
-            if let Some(k) = walk.rollout.reach_exceeded_at {
-                let at = k as f64 * walks.dt;
-                all.lost_from_s = Some(all.lost_from_s.map_or(at, |t: f64| t.min(at)));
-            }
-            all.lost.push(f64::from(u8::from(walk.rollout.reach_exceeded_at.is_some())));
-            all.effort.push(effort(&walk.rollout.q, walks.dt));
+        let scored = Scored::of(walks, lens);
+        let lost: Vec<Option<usize>> =
+            walks.all.iter().map(|w| w.rollout.reach_exceeded_at).collect();
+        Self {
+            scores: PerMethod::of(|m| scored.figures(m)),
+            lost: lost.iter().map(|l| f64::from(u8::from(l.is_some()))).collect(),
+            lost_from_s: lost.into_iter().flatten().min().map(|k| k as f64 * walks.dt),
+            effort: walks.all.iter().map(|w| effort(&w.rollout.q, walks.dt)).collect(),
+            near_m: Vec::new(),
+            nearest: None,
         }
-        all
     }
 
-    /// Appends further rollouts.
-    pub(super) fn extend(&mut self, more: Self) {
-        self.rula.extend(more.rula);
-        self.reba.extend(more.reba);
-        self.exposure_rula_5.extend(more.exposure_rula_5);
-        self.level_3.extend(more.level_3);
+    /// By the method that leads the verdict.
+    pub fn rula(&self) -> &MethodFigures {
+        &self.scores[ScoringMethod::Rula]
+    }
+
+    /// By REBA.
+    pub fn reba(&self) -> &MethodFigures {
+        &self.scores[ScoringMethod::Reba]
+    }
+
+    /// Appends further repetitions.
+    pub(super) fn extend(&mut self, mut more: Self) {
+        for method in ScoringMethod::ALL {
+            self.scores[method].extend(std::mem::take(&mut more.scores[method]));
+        }
         self.lost.extend(more.lost);
         self.lost_from_s = match (self.lost_from_s, more.lost_from_s) {
             (Some(a), Some(b)) => Some(a.min(b)),
@@ -82,19 +68,23 @@ impl Figures {
         self.nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
     }
 
-    fn value(&self, o: &Objective, time: Option<f64>) -> f64 {
+    /// The part of the objective that is this body's; `time`: the duration over the scenario's where it
+    /// is free.
+    pub(super) fn value(&self, o: &Objective, time: Option<f64>) -> f64 {
         // With a free duration the score-time over the cycle counts, never the time mean, which
         // dwelling at the good end would lower.
         let over_cycle = |score: f64| match time {
             Some(share) => 1.0 + (score - 1.0) * share,
             None => score,
         };
-        o.expected_rula * over_cycle(mean(&self.rula))
-            + o.expected_reba * over_cycle(mean(&self.reba))
-            + o.cvar90_rula * over_cycle(cvar_upper(&self.rula, 0.1))
-            + o.exposure_rula_5 * mean(&self.exposure_rula_5) * time.unwrap_or(1.0)
-            + o.p_level_3 * mean(&self.level_3)
-            + o.effort * mean(&self.effort)
+        let of_method = |(method, figures): (ScoringMethod, &MethodFigures)| {
+            let w = o.weights(method);
+            w.expected * over_cycle(mean(&figures.time_mean))
+                + w.cvar90 * over_cycle(cvar_upper(&figures.time_mean, 0.1))
+                + w.exposure * mean(&figures.high) * time.unwrap_or(1.0)
+                + w.p_high * mean(&figures.lasts_high)
+        };
+        self.scores.iter().map(of_method).sum::<f64>() + o.effort * mean(&self.effort)
     }
 }
 

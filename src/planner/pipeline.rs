@@ -1,12 +1,12 @@
 //! The stages in order: search, baselines, selection, report.
 
+use super::along::{bend, timing_difference};
 use super::causes::unreached_ends;
 use super::evaluate::{Person, Walks};
-use super::explain::{
-    comparisons, inputs, model_summary, not_modelled, setting, verdict, worst_index,
-};
+use super::explain::{inputs, model_summary, not_modelled, setting};
 use super::filming;
 use super::finalists::{Finalist, finalists, rest, select};
+use super::guard::reported_prices;
 use super::lens::lens;
 use super::moments::moments;
 use super::near::Care;
@@ -14,15 +14,15 @@ use super::objective::Figures;
 use super::prepare::{Prepared, Workshop};
 use super::preset::Preset;
 use super::result::{
-    CandidateResult, Certificate, Evaluated, RESULT_SCHEMA, RolloutTable, RunProvenance, RunResult,
-    SearchSummary, Status,
+    BodyScores, Bought, CandidateResult, Decision, Evaluated, RESULT_SCHEMA, RolloutTable,
+    RunProvenance, RunResult, SearchSummary, Status,
 };
 use super::resume::Checkpoint;
 use super::searches::{OURS, Searches, run_all};
-use super::space::Space;
-use crate::ergonomics::paired_difference;
+use super::space::{Space, toward_body};
+use super::verdict::{comparisons, is_eligible, lead, verdict, worst_index};
 use crate::files::InputError;
-use crate::math::stats::{mean, std_dev};
+use crate::path::Family;
 use crate::posture::Behaviour;
 use crate::scenario::Scenario;
 use crate::survey::Lens;
@@ -86,6 +86,8 @@ pub(super) struct Environment<'a> {
     pub workshop: &'a Workshop<'a>,
     pub people: &'a [Person<'a>],
     pub lens: &'a Lens,
+    /// The straight path, against which others are guarded; none where it is not feasible.
+    pub straight: Option<Prepared>,
     pub seed: u64,
     pub stage: Stage<'a>,
 }
@@ -163,16 +165,19 @@ fn run(
     let people = Person::all(scenario, truth)?;
     let lens = lens(scenario);
     let workshop = Workshop::new(scenario, preset, *seed);
+    let space = Space::new(scenario, preset);
+    let straight = space.named().into_iter().find(|c| c.candidate.family == Family::Straight);
+    let straight = straight.map(|c| workshop.candidate_thoroughly(&c.candidate, &c.variant));
     let environment = Environment {
         scenario,
         preset,
         workshop: &workshop,
         people: &people,
         lens: &lens,
+        straight: straight.filter(Prepared::is_walkable),
         seed: *seed,
         stage,
     };
-    let space = Space::new(scenario, preset);
     let searches = match scope {
         Scope::Plan | Scope::Oracle(_) => run_all(&environment, &space, request)?,
         Scope::Assess => Searches::default(),
@@ -189,20 +194,42 @@ fn run(
     })?;
     // Too near among the fresh people of the report, though not among those of the selection.
     let mut too_near = Vec::new();
+    let mut ranked = 0;
+    let straight = reported.iter().find(|(c, _)| c.family == Family::Straight);
+    let straight_path = straight.and_then(|(c, _)| c.path.clone());
+    let straight: Vec<BodyScores> = straight.map(|(c, _)| c.bodies.clone()).unwrap_or_default();
+    let is_assessment = matches!(scope, Scope::Assess);
+    let leads = |c: &CandidateResult| {
+        if is_assessment { c.family == Family::Drawn } else { is_eligible(c) }
+    };
     for (finalist, (mut result, walks)) in walkable.into_iter().zip(reported) {
         result.objective = finalist.value;
+        // On the selection's repetitions, and on the fresh ones of the report.
+        result.bought.clone_from(&finalist.bought);
+        let both = result.path.as_ref().zip(straight_path.as_ref());
+        result.timing = both.and_then(|(a, b)| timing_difference(a, b));
+        for price in reported_prices(&preset.objective, &result.bodies, &straight) {
+            let is_known = |b: &Bought| (b.with, b.method) == (price.with, price.method);
+            if !result.bought.iter().any(is_known) {
+                result.bought.push(price);
+            }
+        }
         result.mark_if_too_near(finalist.prepared.is_users, &scenario.person_margin);
         if matches!(result.status, Status::Infeasible { .. }) {
             too_near.push(result);
             continue;
         }
-        let rank = candidates.len() + 1;
-        result.rank = Some(rank);
-        if request.keeps_rollouts {
+        // What joins other ends is compared with nothing.
+        let rank = ranked + 1;
+        if result.other_ends.is_none() {
+            ranked = rank;
+            result.rank = Some(rank);
+        }
+        if request.keeps_rollouts && result.rank.is_some() {
             rollouts.extend(environment.tables(&finalist.prepared, &walks, rank));
         }
         motions.extend(environment.film(&finalist.prepared, &result, &walks));
-        if best.is_none() && result.status == Status::Feasible {
+        if best.is_none() && leads(&result) {
             let worst = worst_index(&result.bodies);
             best = worst.and_then(|i| Some((walks.into_iter().nth(i)?, finalist, people.get(i)?)));
         }
@@ -214,13 +241,12 @@ fn run(
     );
     let ids: Vec<String> = candidates.iter().map(|c| c.id.clone()).collect();
     candidates.extend(rest(&searches, &space, &ids));
-    let certificate = best.as_ref().map(|(_, f, _)| certificate(&environment, f));
     let shown =
         best.as_ref().map(|(walks, f, person)| moments(person, walks, &f.prepared.variant, &lens));
     let inputs = inputs(scenario, &lens, best.as_ref().map(|b| &b.0));
-    let comparisons = comparisons(&candidates);
-    let mut verdict = verdict(scenario, &candidates, &comparisons, &inputs);
-    if verdict.best.is_none() {
+    let compared = comparisons(&candidates, lead(&candidates, is_assessment));
+    let mut verdict = verdict(scenario, &candidates, &compared, &inputs, is_assessment);
+    if verdict.outcome == Decision::NothingFeasible {
         let refused: Vec<&Prepared> = chosen.iter().map(|f| &f.prepared).collect();
         workshop.explain(&refused, &mut verdict);
         environment.explain_nearness(&refused, &space, &mut verdict);
@@ -230,7 +256,7 @@ fn run(
         schema: RESULT_SCHEMA.into(),
         provenance: provenance(scenario, request, &lens),
         verdict,
-        comparisons,
+        comparisons: compared,
         inputs,
         threshold_sensitivity: best.as_ref().map(|(w, ..)| w.sensitivity(&lens)),
         moments: shown.unwrap_or_default(),
@@ -241,7 +267,6 @@ fn run(
         not_modelled: not_modelled(scenario),
         planner: preset.clone(),
         search: searches.summary(),
-        certificate,
         scene: filming::scene(scenario, motions),
         rollouts,
         candidates,
@@ -257,26 +282,6 @@ impl Searches {
         };
         let (ours, others): (Vec<_>, Vec<_>) = self.done.iter().partition(|(n, _)| n == OURS);
         ours.into_iter().chain(others).map(of).collect()
-    }
-}
-
-/// The best path among people of another seed.
-fn certificate(environment: &Environment, best: &Finalist) -> Certificate {
-    let count = environment.preset.rollouts_final;
-    let rula = |seed: u64| {
-        let bodies =
-            environment.figures(&best.prepared, (seed, REPORT_BLOCK), 0..count, Care::Search);
-        let worst = bodies.into_iter().max_by(|a, b| mean(&a.rula).total_cmp(&mean(&b.rula)));
-        worst.map(|b| b.rula).unwrap_or_default()
-    };
-    let (own, other) = (rula(environment.seed), rula(environment.seed.wrapping_add(1)));
-    let error = |x: &[f64]| std_dev(x) / (x.len() as f64).sqrt();
-    let unpaired = paired_difference(&other, &own);
-    Certificate {
-        expected_rula: mean(&own),
-        expected_rula_other_seed: mean(&other),
-        half_width95: 1.96 * error(&own).hypot(error(&other)),
-        people: unpaired.n,
     }
 }
 
@@ -312,6 +317,10 @@ impl Environment<'_> {
     fn report(&self, prepared: &Prepared, count: usize) -> (CandidateResult, Vec<Walks>) {
         let mut result = bare(prepared, Evaluated::Reported);
         result.chosen = self.scenario.chosen(&prepared.variant);
+        result.bend = prepared
+            .path
+            .as_ref()
+            .and_then(|p| bend(&p.poses, &toward_body(self.scenario, &prepared.variant)));
         let mut all = Vec::new();
         if let Some(path) = &prepared.path {
             result.path = prepared.data(self.scenario);
@@ -324,6 +333,11 @@ impl Environment<'_> {
                     person.walk(path, &prepared.variant, (self.seed, REPORT_BLOCK), 0..count);
                 let other_arm = self.scenario.worker.other_arm;
                 let mut scores = walks.summary(&person.name, self.lens, other_arm);
+                if let Some(scores) = &mut scores {
+                    let figures = Figures::of(&walks, self.lens);
+                    let time = self.terms(prepared).time_share;
+                    scores.objective = figures.value(&self.preset.objective, time);
+                }
                 if let (Some(scores), Some(arm)) = (&mut scores, &arm) {
                     let closest = person.closest(&walks, &(0..count), (arm, &prepared.variant));
                     let body = (person.parts(), &path.time_s[..]);
@@ -355,6 +369,10 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         changes: prepared.changes.clone(),
         vias_m: prepared.vias_m.clone(),
         chosen: Vec::new(),
+        bend: None,
+        other_ends: None,
+        timing: None,
+        bought: Vec::new(),
         objective: None,
         bodies: Vec::new(),
         path: None,

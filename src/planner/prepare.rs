@@ -1,11 +1,12 @@
 //! From a candidate to a path that may be walked: QP, robot, obstacles; or the reason why not.
 
+use super::along::hand_motion;
 use super::near::{ArmAlong, Care};
 use super::objective::Figures;
 use super::preset::Preset;
-use super::result::{PathData, Status};
+use super::result::{HandMotion, PathData, Status};
 use super::robot_words::{between_knots, out_of_reach, robot_sentences, self_clearance_words};
-use crate::math::Pose;
+use crate::math::{Pose, Vec3};
 use crate::path::{
     Arm, Candidate, Change, Check, Family, Followed, Projection, ProjectionSettings, Reach, Scene,
     SmoothPath, Verification, project_for_arm, reference_path, verify, verify_motion,
@@ -333,6 +334,12 @@ impl Prepared {
         self.path.is_some() && !matches!(self.status, Status::Infeasible { .. })
     }
 
+    fn hand_motion(&self, path: &TimedPath) -> HandMotion {
+        let hand: Vec<Vec3> =
+            path.poses.iter().map(|tcp| (tcp * self.variant.grip).translation.vector).collect();
+        hand_motion(&hand, path.duration_s() / (hand.len().max(2) - 1) as f64)
+    }
+
     /// As data for the result, with the robot's joints at the path's times.
     pub(super) fn data(&self, scenario: &Scenario) -> Option<PathData> {
         let path = self.path.as_ref()?;
@@ -352,6 +359,7 @@ impl Prepared {
             clearance: self.clearance.clone(),
             self_clearance: self_clearance_words(robot, self.robot.as_ref()),
             moved_m: self.moved_m,
+            hand: self.hand_motion(path),
         })
     }
 }

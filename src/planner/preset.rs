@@ -1,5 +1,6 @@
 //! Planner presets: how many candidates and people, and what is made small. Owner of `planners/`.
 
+use crate::ergonomics::ScoringMethod;
 use crate::files::{InputError, parse_toml, read_text, suggest, toml_schema};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,10 +30,6 @@ pub struct Preset {
     pub named_offset_m: f64,
     /// Typical bend of sampled candidates, m (root mean square at mid-path).
     pub sampled_offset_m: f64,
-    /// How much quicker and slower than by the minimum-jerk law a path may be in its parts: standard
-    /// deviation of the logarithm of a part's duration; 0 keeps to that law.
-    #[serde(default)]
-    pub pace: f64,
     /// Paths of a generation of the search.
     pub population: usize,
     /// Generations of the search.
@@ -65,11 +62,11 @@ pub struct Objective {
     pub expected_rula: f64,
     /// Of the expected REBA score.
     pub expected_reba: f64,
-    /// Of the mean of the worst tenth of people, RULA.
+    /// Of the mean of the worst tenth of repetitions, RULA.
     pub cvar90_rula: f64,
     /// Of the share of time at RULA 5 or more.
     pub exposure_rula_5: f64,
-    /// Of the share of people at RULA 5 or more for at least half a second.
+    /// Of the share of repetitions at RULA 5 or more for at least half a second.
     #[serde(default)]
     pub p_level_3: f64,
     /// Of the root mean square joint speed of the person, per rad/s.
@@ -84,6 +81,46 @@ pub struct Objective {
     /// The wanted clearance, m.
     #[serde(default = "wanted")]
     pub clearance_wanted_m: f64,
+}
+
+/// Weights of the figures of one scoring method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MethodWeights {
+    /// Of the mean over repetitions of the time mean.
+    pub expected: f64,
+    /// Of the mean of the worst tenth of these.
+    pub cvar90: f64,
+    /// Of the share of time at action level 3 or above.
+    pub exposure: f64,
+    /// Of the share of repetitions at action level 3 or above for at least half a second.
+    pub p_high: f64,
+}
+
+impl MethodWeights {
+    /// All of them.
+    pub fn all(&self) -> [f64; 4] {
+        [self.expected, self.cvar90, self.exposure, self.p_high]
+    }
+}
+
+impl Objective {
+    /// What the file gives for one scoring method.
+    pub fn weights(&self, method: ScoringMethod) -> MethodWeights {
+        match method {
+            ScoringMethod::Rula => MethodWeights {
+                expected: self.expected_rula,
+                cvar90: self.cvar90_rula,
+                exposure: self.exposure_rula_5,
+                p_high: self.p_level_3,
+            },
+            ScoringMethod::Reba => MethodWeights {
+                expected: self.expected_reba,
+                cvar90: 0.0,
+                exposure: 0.0,
+                p_high: 0.0,
+            },
+        }
+    }
 }
 
 fn wanted() -> f64 {
@@ -122,8 +159,7 @@ fn parse(path: &Path, text: &str) -> Result<Preset, InputError> {
         return Err(InputError::new(path, format!("schema is not `{SCHEMA}`")));
     }
     let o = &preset.objective;
-    let of_scores =
-        [o.expected_rula, o.expected_reba, o.cvar90_rula, o.exposure_rula_5, o.p_level_3];
+    let of_scores: Vec<f64> = ScoringMethod::ALL.iter().flat_map(|m| o.weights(*m).all()).collect();
     let secondary = [o.effort, o.duration, o.clearance];
     let counts = [
         ("vias", preset.vias, 1, 8),
@@ -150,10 +186,6 @@ fn parse(path: &Path, text: &str) -> Result<Preset, InputError> {
         if !(0.0..=2.0).contains(&value) {
             return Err(InputError::new(path, format!("{key} = {value} is outside 0 to 2 m")));
         }
-    }
-    if !(0.0..=3.0).contains(&preset.pace) {
-        return Err(InputError::new(path, format!("pace = {} is outside 0 to 3", preset.pace))
-            .remedy("1 is usual; 0 keeps to the minimum-jerk law"));
     }
     let is_weight = |w: &f64| (0.0..=1e6).contains(w);
     if !of_scores.iter().chain(&secondary).all(is_weight) || of_scores.iter().sum::<f64>() <= 0.0 {

@@ -9,9 +9,9 @@ use super::near::Care;
 use super::objective::Figures;
 use super::pipeline::Environment;
 use super::prepare::Prepared;
-use super::result::{Recommendation, Recommendations};
+use super::result::{CellChange, Effect, Recommendation, Recommendations, Way};
 use super::search::near;
-use crate::ergonomics::paired_difference;
+use crate::ergonomics::{PerMethod, ScoringMethod, paired_difference};
 use crate::human::Stance;
 use crate::math::stats::mean;
 use crate::math::{Pose, Vec3};
@@ -29,11 +29,9 @@ const PEOPLE: usize = 32;
 /// Block of people: others than those that chose and reported a path.
 const BLOCK: u32 = 4;
 
-/// One change: in words, what it is about, and the cell with it.
+/// One change, and the cell with it.
 struct Tried {
-    what: String,
-    /// Changes of one direction; the best of them is told.
-    direction: &'static str,
+    what: CellChange,
     variant: Variant,
     load_share: f64,
 }
@@ -41,7 +39,7 @@ struct Tried {
 impl Environment<'_> {
     /// Changes that clearly lower the expected RULA of a path for one person, best first.
     pub(super) fn recommend(&self, prepared: &Prepared, person: &Person) -> Recommendations {
-        let nothing = Recommendations { tried: 0, people: 0, clear: Vec::new() };
+        let nothing = Recommendations { tried: 0, repetitions: 0, clear: Vec::new() };
         let Some(path) = &prepared.path else { return nothing };
         let people = PEOPLE.min(self.preset.rollouts_final);
         let robot = self.workshop.robot_of(&prepared.variant);
@@ -61,97 +59,89 @@ impl Environment<'_> {
         };
         let now = figures(&prepared.variant, 1.0);
         let all = self.changes(&prepared.variant);
-        let mut clear: Vec<(&str, Recommendation)> = Vec::new();
+        let mut clear: Vec<Recommendation> = Vec::new();
         for t in &all {
             let then = figures(&t.variant, t.load_share);
-            let rula = paired_difference(&then.rula, &now.rula);
-            let is_worse = mean(&then.lost) > mean(&now.lost) || is_too_near(&then);
-            if !rula.clear || rula.mean > -LEAST_GAIN || is_worse {
+            let effect = PerMethod::of(|m| {
+                let (a, b) = (&then.scores[m], &now.scores[m]);
+                Effect {
+                    change: paired_difference(&a.time_mean, &b.time_mean),
+                    expected: [mean(&b.time_mean), mean(&a.time_mean)],
+                    high: [mean(&b.high), mean(&a.high)],
+                }
+            });
+            let lead = &effect[ScoringMethod::Rula].change;
+            // What one method gains may not be another's clear loss.
+            let is_loss = effect.iter().any(|(_, e)| e.change.low95 > 0.0);
+            let is_worse = mean(&then.lost) > mean(&now.lost) || is_too_near(&then) || is_loss;
+            if !lead.clear || lead.mean > -LEAST_GAIN || is_worse {
                 continue;
             }
-            let found = Recommendation {
-                what: t.what.clone(),
-                rula,
-                expected_rula: [mean(&now.rula), mean(&then.rula)],
-                expected_reba: [mean(&now.reba), mean(&then.reba)],
-                exposure_rula_5: [mean(&now.exposure_rula_5), mean(&then.exposure_rula_5)],
-            };
-            match clear.iter_mut().find(|(d, _)| *d == t.direction) {
-                Some((_, known)) if known.rula.mean <= found.rula.mean => {}
-                Some((_, known)) => *known = found,
-                None => clear.push((t.direction, found)),
+            let found = Recommendation { what: t.what, effect };
+            match clear.iter_mut().find(|r| is_one_direction(&r.what, &t.what)) {
+                Some(known) if gained(known) <= gained(&found) => {}
+                Some(known) => *known = found,
+                None => clear.push(found),
             }
         }
-        clear.sort_by(|a, b| a.1.rula.mean.total_cmp(&b.1.rula.mean));
-        let clear = clear.into_iter().map(|(_, r)| r).collect();
-        Recommendations { tried: all.len(), people, clear }
+        clear.sort_by(|a, b| gained(a).total_cmp(&gained(b)));
+        Recommendations { tried: all.len(), repetitions: people, clear }
     }
 
     fn changes(&self, from: &Variant) -> Vec<Tried> {
         let mut all = Vec::new();
-        let mut push = |what: String, direction: &'static str, variant: Variant| {
-            all.push(Tried { what, direction, variant, load_share: 1.0 });
-        };
+        let mut push =
+            |what: CellChange, variant: Variant| all.push(Tried { what, variant, load_share: 1.0 });
         let forward = Vec3::new(from.facing.cos(), from.facing.sin(), 0.0);
         let left = Vec3::z().cross(&forward);
-        for by in LENGTHS_M {
-            let cm = 100.0 * by;
-            for (words, direction, way) in [
-                ("nearer (forward)", "near", forward),
-                ("farther back", "far", -forward),
-                ("further to the left", "left", left),
-                ("further to the right", "right", -left),
+        let seated = matches!(self.scenario.worker.stance, Stance::Seated { .. });
+        for by_m in LENGTHS_M {
+            for (way, along) in [
+                (Way::Nearer, forward),
+                (Way::Farther, -forward),
+                (Way::Left, left),
+                (Way::Right, -left),
             ] {
-                let at_m = [from.at_m[0] + by * way.x, from.at_m[1] + by * way.y];
-                let place = match self.scenario.worker.stance {
-                    Stance::Standing { .. } => "let the worker stand",
-                    Stance::Seated { .. } => "let the worker sit",
-                };
-                let variant = Variant { at_m, ..from.clone() };
-                push(format!("{place} {cm:.0} cm {words}"), direction, variant);
+                let at_m = [from.at_m[0] + by_m * along.x, from.at_m[1] + by_m * along.y];
+                let what = CellChange::MoveWorker { way, by_m, seated };
+                push(what, Variant { at_m, ..from.clone() });
             }
-            for (sign, direction) in [(1.0, "up"), (-1.0, "down")] {
-                let variant = Variant { floor_m: from.floor_m + sign * by, ..from.clone() };
-                let words = match (self.scenario.worker.stance, sign > 0.0) {
-                    (Stance::Standing { .. }, true) => {
-                        format!("raise the worker by {cm:.0} cm (platform), or lower the cell")
-                    }
-                    (Stance::Seated { .. }, true) => format!("raise the seat by {cm:.0} cm"),
-                    (Stance::Standing { .. }, false) => format!("raise the cell by {cm:.0} cm"),
-                    (Stance::Seated { .. }, false) => format!("lower the seat by {cm:.0} cm"),
-                };
-                push(words, direction, variant);
+            for by_m in [by_m, -by_m] {
+                let floor_m = from.floor_m + by_m;
+                let what = CellChange::RaiseWorker { by_m, seated };
+                push(what, Variant { floor_m, ..from.clone() });
             }
         }
-        for deg in ANGLES_DEG {
-            for (sign, side, turn, roll) in [
-                (1.0, "left", "turn left", "roll left"),
-                (-1.0, "right", "turn right", "roll right"),
-            ] {
-                let by = sign * f64::to_radians(deg);
-                let variant = Variant { facing: from.facing + by, ..from.clone() };
-                push(format!("turn the worker by {deg:.0} deg to the {side}"), turn, variant);
-                let about = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), by);
-                let grip = from.grip * Pose::from_parts(Vec3::zeros().into(), about);
-                let sign = if sign > 0.0 { "+" } else { "-" };
-                push(
-                    format!("turn the handle on the tool by {sign}{deg:.0} deg about its bar"),
-                    roll,
-                    Variant { grip, ..from.clone() },
-                );
-            }
+        for by in ANGLES_DEG.into_iter().flat_map(|d| [d, -d]).map(f64::to_radians) {
+            let facing = from.facing + by;
+            push(CellChange::TurnWorker(by), Variant { facing, ..from.clone() });
+            let about = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), by);
+            let grip = from.grip * Pose::from_parts(Vec3::zeros().into(), about);
+            push(CellChange::TurnHandle(by), Variant { grip, ..from.clone() });
         }
-        if self.lens.task.load_kg > 0.0 {
-            all.push(Tried {
-                what: format!(
-                    "let the robot carry half of the load ({:.1} kg now)",
-                    self.lens.task.load_kg
-                ),
-                direction: "load",
-                variant: from.clone(),
-                load_share: 0.5,
-            });
+        let load_kg = self.lens.task.load_kg;
+        if load_kg > 0.0 {
+            let (what, variant) = (CellChange::HalveLoad(load_kg), from.clone());
+            all.push(Tried { what, variant, load_share: 0.5 });
         }
         all
+    }
+}
+
+/// Change of the leading score.
+fn gained(r: &Recommendation) -> f64 {
+    r.effect[ScoringMethod::Rula].change.mean
+}
+
+/// Whether two changes are steps of one direction; the best of them is told.
+fn is_one_direction(a: &CellChange, b: &CellChange) -> bool {
+    use CellChange::{HalveLoad, MoveWorker, RaiseWorker, TurnHandle, TurnWorker};
+    match (a, b) {
+        (MoveWorker { way: a, .. }, MoveWorker { way: b, .. }) => a == b,
+        (RaiseWorker { by_m: a, .. }, RaiseWorker { by_m: b, .. })
+        | (TurnWorker(a), TurnWorker(b))
+        | (TurnHandle(a), TurnHandle(b)) => a.signum() == b.signum(),
+        (HalveLoad(_), HalveLoad(_)) => true,
+        _ => false,
     }
 }

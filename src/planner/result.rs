@@ -2,16 +2,20 @@
 //!
 //! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
 
+use super::findings::Finding;
 use super::preset::Preset;
 use super::scene::Scene;
 use crate::ergonomics::{
-    ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
+    ActionLevelShare, PairedDifference, PerMethod, ScoreDistribution, ScoringMethod,
+    ThresholdSensitivity, paired_difference,
 };
 use crate::files::null_as_nan;
+use crate::human::Side;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
-use crate::scenario::{Origin, Task};
+use crate::scenario::{Chosen, Origin, OtherArm, Task};
+use crate::survey::NeckRule;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -26,7 +30,7 @@ pub struct RunResult {
     pub schema: Cow<'static, str>,
     /// Where it comes from.
     pub provenance: RunProvenance,
-    /// The decision in words.
+    /// The decision.
     pub verdict: Verdict,
     /// All paths: ranked first, then those that are not feasible.
     pub candidates: Vec<CandidateResult>,
@@ -52,8 +56,6 @@ pub struct RunResult {
     pub planner: Preset,
     /// What was searched.
     pub search: Vec<SearchSummary>,
-    /// How far the best path's figures can be trusted; none without a feasible path.
-    pub certificate: Option<Certificate>,
     /// The cell, the robot and the people over time, to be looked at.
     pub scene: Scene,
     /// The sampled postures themselves, on request; written to files of their own.
@@ -70,22 +72,6 @@ pub struct SearchSummary {
     pub paths: usize,
     /// Of these, paths that were refused.
     pub infeasible: usize,
-}
-
-/// The best path among people that another seed draws (worst body).
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct Certificate {
-    /// Expected RULA among the reported people.
-    #[serde(deserialize_with = "null_as_nan")]
-    pub expected_rula: f64,
-    /// Expected RULA among as many people of the next seed.
-    #[serde(deserialize_with = "null_as_nan")]
-    pub expected_rula_other_seed: f64,
-    /// Half width of the 95 % interval of their difference.
-    #[serde(deserialize_with = "null_as_nan")]
-    pub half_width95: f64,
-    /// People of each.
-    pub people: usize,
 }
 
 /// The sampled postures of one body along one path.
@@ -118,20 +104,61 @@ pub struct RunProvenance {
     pub score_profile: String,
 }
 
-/// The decision.
+/// The decision, as facts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Verdict {
-    /// One sentence.
-    pub headline: String,
-    /// Two to five more.
-    pub lines: Vec<String>,
-    /// Id of the best feasible path, if there is one.
+    /// What kind of decision it is.
+    pub outcome: Decision,
+    /// Id of the best feasible path; none where there is no feasible one, or where the recordings do
+    /// not support a decision.
     pub best: Option<String>,
+    /// Id of the path that the figures are about: the best, or else the first that was scored.
+    pub lead: Option<String>,
+    /// Name of the body that the figures are about: the one that is worst in the objective on the
+    /// lead.
+    pub body: Option<String>,
+    /// What the best path gains over the straight one.
+    pub gain: Option<Gain>,
+    /// What else was found, in the order of its weight.
+    pub findings: Vec<Finding>,
+    /// Where no path is feasible, why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<String>,
     /// Where no path is feasible: the smallest change of each kind that would help, alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
-    /// "demonstration model, not your workers", when that applies.
-    pub caveat: Option<String>,
+    /// What the posture model is not.
+    pub caveat: Option<Caveat>,
+}
+
+impl Verdict {
+    /// Whether the figures of the lead may be used: there is a best path, or a feasible one of the
+    /// user's was assessed.
+    pub fn is_decided(&self) -> bool {
+        matches!(self.outcome, Decision::Best | Decision::Assessed)
+    }
+}
+
+/// Kinds of decision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Decision {
+    /// There is a best path.
+    Best,
+    /// The user's own paths were scored, and none was searched.
+    Assessed,
+    /// Paths are feasible, but the recordings support no statement about the worker along them.
+    NotSupported,
+    /// No path keeps all limits.
+    NothingFeasible,
+}
+
+/// Why a posture model does not speak of the worker concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Caveat {
+    /// Made from simulated movements, or learned on another body.
+    DemonstrationModel,
 }
 
 /// One path.
@@ -154,7 +181,18 @@ pub struct CandidateResult {
     pub vias_m: Vec<[f64; 3]>,
     /// What was chosen besides the path, where the scenario leaves anything free.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub chosen: Vec<String>,
+    pub chosen: Vec<Chosen>,
+    /// Where it departs most from the straight line; none without a path.
+    pub bend: Option<Bend>,
+    /// Where the user's own path begins and ends elsewhere than the scenario asks: how far off at the
+    /// start and at the goal, m and rad. It is compared with nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_ends: Option<[[f64; 2]; 2]>,
+    /// How its timing differs from that of the straight path; none without one.
+    pub timing: Option<TimingDifference>,
+    /// Why a path with a lower objective than the best is not the best.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bought: Vec<Bought>,
     /// The objective on the block that ranked it.
     pub objective: Option<f64>,
     /// Scores of each body.
@@ -163,6 +201,38 @@ pub struct CandidateResult {
     pub path: Option<PathData>,
     /// Pictures of the mean posture; only for paths of the selection.
     pub poses: Vec<PosePicture>,
+}
+
+/// Where a path departs most from the straight line between its ends, as the worker sees it, m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bend {
+    /// Horizontally towards the worker.
+    pub toward_body_m: f64,
+    /// To the worker's left, facing the path.
+    pub left_m: f64,
+    /// Upwards.
+    pub up_m: f64,
+}
+
+/// What a lower mean score is bought with: it is clearly worse than on the straight path.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bought {
+    /// Which figure.
+    pub with: Price,
+    /// By which method.
+    pub method: ScoringMethod,
+    /// This path minus the straight one.
+    pub difference: PairedDifference,
+}
+
+/// A figure in which the best path may not be worse than the straight one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Price {
+    /// The peak over time.
+    Peak,
+    /// The mean over hand travel.
+    PerMetre,
 }
 
 /// Whether a path can be used.
@@ -202,22 +272,15 @@ pub enum Evaluated {
 pub struct BodyScores {
     /// Name of the body.
     pub body: String,
+    /// The part of the objective that differs between bodies.
+    pub objective: f64,
     /// How near the robot comes to this person; none without shapes or motion of the robot.
     pub person_clearance: Option<PersonClearance>,
     /// Number of rollouts.
     pub rollouts: usize,
-    /// RULA of the coupled side.
-    pub rula: ScoreDistribution,
-    /// REBA of the coupled side.
-    pub reba: ScoreDistribution,
-    /// Time and probability at each action level of RULA, 1-4.
-    pub rula_levels: Vec<ActionLevelShare>,
-    /// Time and probability at each action level of REBA, 0-4.
-    pub reba_levels: Vec<ActionLevelShare>,
-    /// Time means of RULA of each rollout, in order: for paired comparisons.
-    pub rula_by_rollout: Vec<f64>,
-    /// Shares of time at RULA 5 or more, by rollout: mean, 5th and 95th percentile.
-    pub exposure_rula_5_band: [f64; 3],
+    /// Scores of the coupled side.
+    #[serde(flatten)]
+    pub scores: PerMethod<MethodScores>,
     /// RULA of the other side where the scenario gives that arm.
     pub other_side_rula: Option<ScoreDistribution>,
     /// Share of rollouts whose reach was exceeded.
@@ -238,10 +301,42 @@ pub struct BodyScores {
     /// Mean Mahalanobis distance of the start postures.
     #[serde(deserialize_with = "null_as_nan")]
     pub start_distance: f64,
-    /// The steps of RULA over people and time.
+}
+
+impl BodyScores {
+    /// RULA of the coupled side, which leads the verdict.
+    pub fn rula(&self) -> &MethodScores {
+        &self.scores[ScoringMethod::Rula]
+    }
+
+    /// REBA of the coupled side.
+    pub fn reba(&self) -> &MethodScores {
+        &self.scores[ScoringMethod::Reba]
+    }
+}
+
+/// Scores of one body along one path by one method.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct MethodScores {
+    /// Over repetitions and time.
+    #[serde(flatten)]
+    pub distribution: ScoreDistribution,
+    /// Time and probability at each action level.
+    pub levels: Vec<ActionLevelShare>,
+    /// Shares of time at action level 3 or above, by repetition: mean, 5th and 95th percentile.
+    pub high_band: [f64; 3],
+    /// Mean over hand travel and repetitions; it does not depend on the timing.
+    pub per_metre: f64,
+    /// 95th percentile over time, median over repetitions.
+    pub peak: f64,
+    /// Time mean of each repetition, in order: for paired comparisons.
+    pub by_rollout: Vec<f64>,
+    /// Mean over hand travel of each repetition.
+    pub per_metre_by_rollout: Vec<f64>,
+    /// 95th percentile over time of each repetition.
+    pub peak_by_rollout: Vec<f64>,
+    /// The steps of the method over repetitions and time.
     pub parts: Vec<PartScore>,
-    /// The steps of REBA over people and time.
-    pub reba_parts: Vec<PartScore>,
 }
 
 /// How near the robot comes to one person over the repetitions, the coupled hand and forearm at the
@@ -311,7 +406,7 @@ pub struct PartScore {
 }
 
 /// A path over time.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct PathData {
     /// Times, s.
     pub time_s: Vec<f64>,
@@ -336,6 +431,20 @@ pub struct PathData {
     pub self_clearance: String,
     /// How far the QP moved the path, m.
     pub moved_m: f64,
+    /// How the hand moves along it.
+    pub hand: HandMotion,
+}
+
+/// How the hand (the origin of its grip) moves along a path.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct HandMotion {
+    /// Length of its way, m.
+    pub travel_m: f64,
+    /// Greatest speed, m/s.
+    pub speed_m_s: f64,
+    /// Greatest acceleration, m/s^2; none where the path does not begin and end at rest, so that it
+    /// cannot be told.
+    pub acceleration_m_s2: Option<f64>,
 }
 
 /// The mean posture and the robot at one moment, as line segments in the world, m.
@@ -351,43 +460,160 @@ pub struct PosePicture {
     pub robot: Vec<[f64; 3]>,
 }
 
-/// The best path against another, paired over people.
+/// The lead against another path, on the same repetitions.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Comparison {
-    /// Id of the best path.
-    pub best: String,
+    /// Id of the lead: the best path, or the user's own that is assessed.
+    pub lead: String,
     /// Id of the other.
     pub other: String,
     /// Body.
     pub body: String,
-    /// Difference of the expected RULA, best minus other.
-    pub rula: PairedDifference,
-    /// The same in one sentence.
-    pub words: String,
+    /// Lead minus other, by scoring method.
+    #[serde(flatten)]
+    pub scores: PerMethod<Difference>,
+    /// Whether both keep the same timing; where they do not, only the scores per metre say which route
+    /// is better.
+    pub timing: TimingDifference,
+}
+
+/// Lead minus other of one scoring method; lower is better.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Difference {
+    /// Of the means over time.
+    pub time_mean: PairedDifference,
+    /// Of the means over hand travel, which do not depend on the timing.
+    pub per_metre: PairedDifference,
+    /// Of the peaks.
+    pub peak: PairedDifference,
+}
+
+impl Difference {
+    /// Of one body's scores by one method along two paths.
+    pub fn between(a: &MethodScores, b: &MethodScores) -> Self {
+        Self {
+            time_mean: paired_difference(&a.by_rollout, &b.by_rollout),
+            per_metre: paired_difference(&a.per_metre_by_rollout, &b.per_metre_by_rollout),
+            peak: paired_difference(&a.peak_by_rollout, &b.peak_by_rollout),
+        }
+    }
+}
+
+/// How the timing of two paths differs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TimingDifference {
+    /// Largest difference of the share of the way that is covered at equal shares of the time.
+    pub progress: f64,
+    /// Duration of the one over that of the other.
+    pub duration_ratio: f64,
+    /// Largest distance of the two routes from each other, m.
+    pub route_apart_m: f64,
+}
+
+impl TimingDifference {
+    /// Largest differences that count as the same timing: what limits and obstacles bend the
+    /// minimum-jerk law by, and 2 % of the duration.
+    const PROGRESS: f64 = 0.12;
+    const DURATION: f64 = 0.02;
+    /// Largest distance of routes that count as one, m.
+    const ROUTE_M: f64 = 0.005;
+
+    /// Whether time means of scores may be compared.
+    pub fn is_same(&self) -> bool {
+        self.progress <= Self::PROGRESS && (self.duration_ratio - 1.0).abs() <= Self::DURATION
+    }
+
+    /// Whether both lead the hand along the same line.
+    pub fn is_same_route(&self) -> bool {
+        self.route_apart_m <= Self::ROUTE_M
+    }
+}
+
+/// What the best path gains over the straight one, for the body of the verdict: straight minus other,
+/// so that more is better.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Gain {
+    /// Body.
+    pub body: String,
+    /// By scoring method.
+    #[serde(flatten)]
+    pub scores: PerMethod<GainParts>,
+}
+
+/// The parts of a gain, each alone against the straight path.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct GainParts {
+    /// Of the best path.
+    pub together: PairedDifference,
+    /// Of the best path that keeps the straight one's timing; none where it was not searched or is not
+    /// feasible.
+    pub route: Option<PairedDifference>,
+    /// Of the straight path with its timing chosen by the same search; none where the timing is not
+    /// free.
+    pub timing: Option<PairedDifference>,
 }
 
 /// One input of the scores.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InputOrigin {
     /// What.
-    pub input: String,
+    pub input: ScoreInput,
     /// Where from.
     pub origin: Origin,
-    /// Its value in words.
-    pub value: String,
-    /// What "one class worse" would be, and the change of expected RULA and REBA.
+    /// What "one class worse" would be, and what it would change.
     pub if_changed: Option<IfChanged>,
+}
+
+/// An input of the scores with its value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "input", content = "value", rename_all = "snake_case")]
+pub enum ScoreInput {
+    /// Arm of the coupled side, shoulder girdle and trunk.
+    ArmAndTrunk(Side),
+    /// The other arm.
+    OtherArm(OtherArm),
+    /// How the head is held.
+    Neck(NeckRule),
+    /// Whether the worker sits with supported feet; else stands on both.
+    Seated(bool),
+    /// Whether the arm's weight is supported.
+    ArmSupported(bool),
+    /// Load in the hand, kg, and what it is made of: part, share, extra.
+    Load([f64; 4]),
+    /// The worker's share of the load.
+    LoadShare(f64),
+    /// Whether the task is repeated more than four times a minute or held over a minute.
+    MuscleUse(bool),
+    /// Class of REBA's coupling, 0 good to 3 unacceptable.
+    Coupling(u8),
+    /// Whether the load is shocking or builds up fast.
+    Shock(bool),
 }
 
 /// Sensitivity to an assumed input.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IfChanged {
     /// The other value.
-    pub to: String,
-    /// Change of the expected RULA.
-    pub rula: f64,
-    /// Change of the expected REBA.
-    pub reba: f64,
+    pub to: Alternative,
+    /// Change of the expected score, by method.
+    #[serde(flatten)]
+    pub change: PerMethod<f64>,
+}
+
+/// Another value of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "to", content = "value", rename_all = "snake_case")]
+pub enum Alternative {
+    /// The head held by the other rule.
+    Neck(NeckRule),
+    /// The weight on one leg.
+    OneLeg,
+    /// A load in the next class, kg.
+    Load(f64),
+    /// Repeated more than four times a minute.
+    Repeated,
+    /// The next class of coupling.
+    Coupling(u8),
 }
 
 /// The cell in words and numbers.
@@ -442,7 +668,7 @@ pub struct ModelSummary {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Moment {
     /// What it shows.
-    pub what: String,
+    pub what: MomentKind,
     /// Body.
     pub body: String,
     /// Number of the repetition, from 0.
@@ -461,28 +687,88 @@ pub struct Moment {
     pub bones: Vec<[[f64; 3]; 2]>,
 }
 
+/// What a posture to look at shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MomentKind {
+    /// Of the repetition that is nearest to the mean, at the moment of the highest mean score.
+    TypicalAtHardest,
+    /// The posture that a typical repetition holds longest.
+    HeldLongest,
+    /// The highest score of all repetitions.
+    Hardest,
+}
+
 /// Changes that were tried on the best path, its body of the verdict and the same people.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Recommendations {
     /// Number of changes that were tried.
     pub tried: usize,
-    /// People behind each.
-    pub people: usize,
-    /// Those that clearly lower expected RULA, best first; of each direction the best step.
+    /// Repetitions behind each.
+    pub repetitions: usize,
+    /// Those that clearly lower expected RULA and clearly raise no other score, best first; of each direction the best step.
     pub clear: Vec<Recommendation>,
 }
 
-/// A change with its effect.
+/// A change with its effect, by scoring method.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Recommendation {
     /// What to do.
-    pub what: String,
-    /// Expected RULA with the change minus without.
-    pub rula: PairedDifference,
-    /// Expected RULA without and with it.
-    pub expected_rula: [f64; 2],
-    /// Expected REBA without and with it.
-    pub expected_reba: [f64; 2],
-    /// Share of time at RULA 5 or more without and with it.
-    pub exposure_rula_5: [f64; 2],
+    pub what: CellChange,
+    /// Its effect.
+    #[serde(flatten)]
+    pub effect: PerMethod<Effect>,
+}
+
+/// What a change does to one score.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Effect {
+    /// Expected score with the change minus without.
+    pub change: PairedDifference,
+    /// Expected score without and with it.
+    pub expected: [f64; 2],
+    /// Share of time at action level 3 or above without and with it.
+    pub high: [f64; 2],
+}
+
+/// A small change of the cell with path and robot as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "change", rename_all = "snake_case")]
+pub enum CellChange {
+    /// Another place of the worker, as the worker sees it.
+    MoveWorker {
+        /// Which way.
+        way: Way,
+        /// How far, m.
+        by_m: f64,
+        /// Whether the worker sits.
+        seated: bool,
+    },
+    /// The worker (or the seat) higher over the floor; negative: the cell higher, or the seat lower.
+    RaiseWorker {
+        /// By how much, m.
+        by_m: f64,
+        /// Whether the worker sits.
+        seated: bool,
+    },
+    /// The worker turned about the vertical, rad; positive to the left.
+    TurnWorker(f64),
+    /// The handle turned about its bar, rad.
+    TurnHandle(f64),
+    /// Half of the load carried by the robot; the load now, kg.
+    HalveLoad(f64),
+}
+
+/// A direction as the worker sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Way {
+    /// Forward.
+    Nearer,
+    /// Backward.
+    Farther,
+    /// To the left.
+    Left,
+    /// To the right.
+    Right,
 }

@@ -11,6 +11,7 @@
 //! many people need not be compared.
 
 use super::evaluate::{Person, Walks};
+use super::guard::penalty;
 use super::near::{ArmAlong, Care};
 use super::objective::{Figures, PathTerms, objective};
 use super::pipeline::{Environment, PlanError, counted};
@@ -219,8 +220,11 @@ fn judge(
                 vec![vec![Figures::default(); environment.people.len()]; prepared.len()];
             let mut known = 0;
             let mut wanted = first.min(most).max(1);
+            let block = task.block + g;
             while !alive.is_empty() {
-                let block = task.block + g;
+                let straight = environment.straight.as_ref().map(|s| {
+                    environment.figures(s, (environment.seed, block), 0..wanted, Care::Blind)
+                });
                 let more: Vec<Vec<Figures>> = alive
                     .par_iter()
                     .map(|&i| {
@@ -234,7 +238,10 @@ fn judge(
                     figures[i].iter_mut().zip(more).for_each(|(f, m)| f.extend(m));
                     let nothing = PathTerms { time_share: None, clearance_m: None, person: None };
                     let terms = at(i).map_or(nothing, |p| environment.terms_in_search(p));
-                    let value = objective(&environment.preset.objective, &figures[i], terms);
+                    let o = &environment.preset.objective;
+                    let straight = straight.as_deref().unwrap_or_default();
+                    let value =
+                        objective(o, &figures[i], terms) + penalty(o, &figures[i], straight);
                     judged[i] = (value, wanted);
                 }
                 if wanted >= most || alive.len() <= 1 {

@@ -30,6 +30,9 @@ pub(super) const LEARNED: &str = "single posture, learned";
 pub(super) const WITHOUT: &str = "without ";
 pub(super) const ANY_FREEDOM: &str = "any freedom";
 
+/// The straight path with its timing chosen by the same search; where the timing is free.
+pub(super) const RETIMED: &str = "straight, retimed";
+
 /// Finished searches by name, in order.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Searches {
@@ -40,7 +43,11 @@ impl Searches {
     /// The best points of the searches so far as points of `of`, the best of each first.
     fn starts(&self, of: &Space, whole: &Space) -> Vec<Vec<f64>> {
         let best = |(name, state): &(String, SearchState)| -> Vec<Vec<f64>> {
-            let there = whole.narrowed(name.strip_prefix(WITHOUT));
+            let there = if name == RETIMED {
+                whole.retimed().unwrap_or_else(|| whole.clone())
+            } else {
+                whole.narrowed(name.strip_prefix(WITHOUT))
+            };
             let best = state.best(TAKEN_OVER, 1, APART);
             best.into_iter().filter_map(|t| of.carried(&there, &t.x)).collect()
         };
@@ -124,6 +131,16 @@ fn tasks<'a>(
         (PLAIN.to_owned(), baseline("p", Gauge::Sure(plain), true, 2)),
         (LEARNED.to_owned(), baseline("m", Gauge::Sure(learned), true, 3)),
     ];
+    if let Some(space) = space.retimed() {
+        let task = Task {
+            name: "baselines",
+            prefix: "t".to_owned(),
+            space,
+            block: FIRST_BLOCK + 4 * BLOCKS_PER_SEARCH,
+            ..ours.clone()
+        };
+        all.push((RETIMED.to_owned(), task));
+    }
     for (k, name) in held(&environment.scenario.free).into_iter().enumerate() {
         let task = Task {
             name: "worth of freedoms",

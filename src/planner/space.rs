@@ -1,5 +1,5 @@
-//! The numbers that the search may choose: white via-points, the white pace, white turns where the
-//! tool may turn on its way, then the scenario's freedoms.
+//! The numbers that the search may choose: white via-points, the white pace where the timing is free,
+//! white turns where the tool may turn on its way, then the scenario's other freedoms.
 //!
 //! A freedom with range `[lo, hi]` enters as `lo + Phi(x) (hi - lo)` with the normal distribution
 //! function Phi: a standard normal `x` is then uniform over the range, like the via-points' `x` is
@@ -10,7 +10,7 @@ use super::searches::ANY_FREEDOM;
 use crate::math::stats::{normal_cdf, normal_quantile};
 use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, Family, Pace, ViaSpace};
-use crate::scenario::{Freedom, Scenario, TURN_ON_THE_WAY, Variant};
+use crate::scenario::{Chosen, Freedom, Scenario, TIMING, TURN_ON_THE_WAY, Variant};
 
 /// Height of the elbow over the floor, as a share of stature, in the expert's arc.
 const ELBOW_HEIGHT: f64 = 0.63;
@@ -33,7 +33,9 @@ pub(super) struct Space<'a> {
     vias: usize,
     offset_rms_m: f64,
     named_offset_m: f64,
-    /// Spread of the pace; none where it is the minimum-jerk law's, as with a free rest.
+    /// Whether this search may bend the path; else it keeps to the straight line.
+    has_route: bool,
+    /// Spread of the pace, where this search may choose it.
     pace: Option<f64>,
     /// For each free number whether this search may use it.
     is_used: Vec<bool>,
@@ -49,8 +51,8 @@ impl<'a> Space<'a> {
             vias: preset.vias,
             offset_rms_m: preset.sampled_offset_m,
             named_offset_m: preset.named_offset_m,
-            pace: (preset.pace > 0.0 && scenario.free.range(Freedom::Dwell).is_none())
-                .then_some(preset.pace),
+            has_route: true,
+            pace: scenario.free.pace_spread,
             is_used: vec![true; scenario.free.all.len()],
             turn_rad: scenario.free.turn_rad,
         }
@@ -70,17 +72,31 @@ impl<'a> Space<'a> {
         Self {
             is_used: self.scenario.free.all.iter().map(keep).collect(),
             turn_rad: self.turn_rad.filter(|_| name != TURN_ON_THE_WAY),
+            pace: self.pace.filter(|_| name != TIMING),
             ..self.clone()
         }
     }
 
     fn fixed(&self) -> Self {
-        Self { is_used: vec![false; self.is_used.len()], turn_rad: None, ..self.clone() }
+        let is_used = vec![false; self.is_used.len()];
+        Self { is_used, turn_rad: None, pace: None, ..self.clone() }
+    }
+
+    /// The straight line of the cell as it is, with nothing but its timing to choose; none where that
+    /// is not free.
+    pub(super) fn retimed(&self) -> Option<Self> {
+        self.pace?;
+        Some(Self { has_route: false, pace: self.pace, ..self.fixed() })
     }
 
     /// Number of search variables.
     pub(super) fn dimension(&self) -> usize {
-        3 * self.vias + self.paces() + self.turns() + self.is_used.iter().filter(|u| **u).count()
+        self.route() + self.paces() + self.turns() + self.is_used.iter().filter(|u| **u).count()
+    }
+
+    /// Number of search variables of the via-points.
+    fn route(&self) -> usize {
+        if self.has_route { 3 * self.vias } else { 0 }
     }
 
     /// Number of search variables of the pace.
@@ -95,9 +111,7 @@ impl<'a> Space<'a> {
 
     /// The choice at `x`, as many numbers as the dimension.
     pub(super) fn decode(&self, id: &str, x: &[f64]) -> Option<Choice> {
-        let (white, rest) = x.split_at_checked(3 * self.vias)?;
-        let (paces, rest) = rest.split_at_checked(self.paces())?;
-        let (turns, free) = rest.split_at_checked(self.turns())?;
+        let [white, paces, turns, free] = self.parts(x)?;
         let mut free = free.iter();
         let shares: Vec<Option<f64>> = self
             .is_used
@@ -118,13 +132,23 @@ impl<'a> Space<'a> {
         Some(Choice { candidate, variant })
     }
 
+    /// The numbers of the via-points, of the pace, of the tool's turns and of the freedoms.
+    fn parts<'x>(&self, x: &'x [f64]) -> Option<[&'x [f64]; 4]> {
+        let (route, rest) = x.split_at_checked(self.route())?;
+        let (paces, rest) = rest.split_at_checked(self.paces())?;
+        let (turns, free) = rest.split_at_checked(self.turns())?;
+        Some([route, paces, turns, free])
+    }
+
     /// A point of another space of this scenario in this one: what is not free there has the scenario's
     /// own value, what is not free here is left out.
     pub(super) fn carried(&self, from: &Self, x: &[f64]) -> Option<Vec<f64>> {
-        let (path, rest) = x.split_at_checked(3 * self.vias + from.paces())?;
-        let (turns, free) = rest.split_at_checked(from.turns())?;
-        let mut all = path.to_vec();
-        all.extend((0..self.turns()).map(|i| turns.get(i).copied().unwrap_or(0.0)));
+        let [route, paces, turns, free] = from.parts(x)?;
+        let mut all = Vec::with_capacity(self.dimension());
+        for (there, count) in [(route, self.route()), (paces, self.paces()), (turns, self.turns())]
+        {
+            all.extend((0..count).map(|i| there.get(i).copied().unwrap_or(0.0)));
+        }
         let mut free = free.iter();
         let used = self.is_used.iter().zip(&from.is_used);
         for ((here, there), range) in used.zip(&self.scenario.free.all) {
@@ -140,14 +164,17 @@ impl<'a> Space<'a> {
         (all.len() == self.dimension()).then_some(all)
     }
 
-    /// What a variant chooses besides the path, in words.
-    pub(super) fn chosen(&self, variant: &Variant) -> Vec<String> {
+    /// What a variant chooses besides the path.
+    pub(super) fn chosen(&self, variant: &Variant) -> Vec<Chosen> {
         self.scenario.chosen(variant)
     }
 
     /// Search variables of the named families, the straight path first; freedoms in mid-range.
     pub(super) fn seeds(&self) -> Vec<Vec<f64>> {
         let middle = vec![0.0; self.dimension()];
+        if !self.has_route {
+            return vec![middle];
+        }
         let Some(nominal) = self.decode("", &middle) else { return Vec::new() };
         let Some(space) = self.via_space(&nominal.variant) else { return Vec::new() };
         let bent = |offset: &Vec3| {
@@ -178,8 +205,10 @@ impl<'a> Space<'a> {
     }
 
     fn families(&self) -> [(&'static str, Family, Vec3); 5] {
-        let (up, body) =
-            (Vec3::z() * self.named_offset_m, self.toward_body() * self.named_offset_m);
+        let (up, body) = (
+            Vec3::z() * self.named_offset_m,
+            toward_body(self.scenario, &self.scenario.nominal()) * self.named_offset_m,
+        );
         [
             ("straight", Family::Straight, Vec3::zeros()),
             ("lifted", Family::Lifted, up),
@@ -201,17 +230,18 @@ impl<'a> Space<'a> {
             ELBOW_HEIGHT * b.size.stature_m + pelvis(s.worker.stance) - pelvis(standing)
         };
         let mean = bodies.iter().map(elbow).sum::<f64>() / bodies.len().max(1) as f64;
-        Vec3::z() * (mean - middle) + self.toward_body() * EXPERT_PULL_M
+        Vec3::z() * (mean - middle)
+            + toward_body(self.scenario, &self.scenario.nominal()) * EXPERT_PULL_M
     }
+}
 
-    /// Horizontal direction from the middle of the task to the worker.
-    pub(super) fn toward_body(&self) -> Vec3 {
-        let s = self.scenario;
-        let middle = (s.start.translation.vector + s.goal.translation.vector) * 0.5;
-        let [x, y] = s.worker.at_m;
-        let to = Vec3::new(x - middle.x, y - middle.y, 0.0);
-        // Standing on top of the task: backwards is towards the body.
-        let back = Vec3::new(-s.worker.facing.cos(), -s.worker.facing.sin(), 0.0);
-        if to.norm() > 1e-3 { to.normalize() } else { back }
-    }
+/// Horizontal direction from the middle of the task to the worker, of unit length.
+pub(super) fn toward_body(scenario: &Scenario, variant: &Variant) -> Vec3 {
+    let middle = (variant.start.translation.vector + variant.goal.translation.vector) * 0.5;
+    let [x, y] = variant.at_m;
+    let to = Vec3::new(x - middle.x, y - middle.y, 0.0);
+    // Standing on top of the task: backwards is towards the body.
+    let facing = scenario.worker.facing;
+    let back = Vec3::new(-facing.cos(), -facing.sin(), 0.0);
+    if to.norm() > 1e-3 { to.normalize() } else { back }
 }

@@ -1,5 +1,6 @@
-//! Where a path lingers, in words: with a free pace the time law is part of the plan.
+//! Where a path lingers: with a free pace the time law is part of the plan.
 
+use super::findings::Finding;
 use super::result::PathData;
 use crate::math::Vec3;
 
@@ -10,8 +11,8 @@ const SLOW: f64 = 0.25;
 const LEAST_SHARE: f64 = 0.1;
 const LEAST_SHARE_AT_END: f64 = 0.22;
 
-/// The longest slow part in a sentence; none where there is none to speak of.
-pub(super) fn lingering(path: &PathData) -> Option<String> {
+/// The longest slow part; none where there is none to speak of.
+pub(super) fn lingering(path: &PathData) -> Option<Finding> {
     let at = |k: usize| Vec3::new(path.tcp[k][0], path.tcp[k][1], path.tcp[k][2]);
     let steps = path.tcp.len().min(path.time_s.len()).checked_sub(1)?;
     let speed: Vec<f64> = (0..steps)
@@ -34,16 +35,13 @@ pub(super) fn lingering(path: &PathData) -> Option<String> {
     }
     let (from, to) = longest?;
     let middle = at(usize::midpoint(from, to));
-    Some(format!(
-        "Its timing is part of the plan: slow (below {:.2} m/s) from {:.1} to {:.1} s near ({:.2}, {:.2}, \
-         {:.2}) m, and up to {highest:.2} m/s elsewhere.",
-        SLOW * highest,
-        path.time_s[from],
-        path.time_s[to],
-        middle.x,
-        middle.y,
-        middle.z,
-    ))
+    Some(Finding::Lingers {
+        from_s: path.time_s[from],
+        to_s: path.time_s[to],
+        at_m: middle.into(),
+        below_m_s: SLOW * highest,
+        up_to_m_s: highest,
+    })
 }
 
 #[cfg(test)]
@@ -53,19 +51,7 @@ mod tests {
     fn along(x: impl Fn(f64) -> f64) -> PathData {
         let time_s: Vec<f64> = (0..=100).map(|k| f64::from(k) / 25.0).collect();
         let tcp = time_s.iter().map(|t| [x(*t), 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]).collect();
-        PathData {
-            time_s,
-            tcp,
-            robot_joints: Vec::new(),
-            robot_q: Vec::new(),
-            checks: Vec::new(),
-            robot_checks: Vec::new(),
-            joint_margins: Vec::new(),
-            joint_trajectory: None,
-            clearance: None,
-            self_clearance: String::new(),
-            moved_m: 0.0,
-        }
+        PathData { time_s, tcp, ..PathData::default() }
     }
 
     #[test]
@@ -75,8 +61,9 @@ mod tests {
         let rests = |t: f64| {
             if t < 2.0 { 0.5 * ease(t.min(1.0)) } else { 0.5 + 0.5 * ease((t - 2.0) / 2.0) }
         };
-        let words = lingering(&along(rests)).unwrap();
-        assert!(words.contains("near (0.50, 0.00, 1.00) m"), "{words}");
-        assert!(words.contains("from 0.8") || words.contains("from 0.9"), "{words}");
+        let Some(Finding::Lingers { from_s, at_m, .. }) = lingering(&along(rests)) else {
+            panic!("the rest is a slow part");
+        };
+        assert!((at_m[0] - 0.5).abs() < 1e-9 && (0.8..1.0).contains(&from_s), "{at_m:?} {from_s}");
     }
 }

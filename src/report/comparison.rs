@@ -11,6 +11,7 @@ use super::comparison_table::table;
 use crate::ergonomics::{PairedDifference, paired_difference, unpaired_difference};
 use crate::path::Family;
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult};
+use crate::words;
 use serde::Serialize;
 
 /// How a run ended.
@@ -174,7 +175,7 @@ impl ComparedRun {
             load_kg: Some(result.setting.task.load_kg),
             robot: result.setting.robot.first().cloned().unwrap_or_default(),
             posture_model: result.posture_model.name.clone(),
-            caveat: result.verdict.caveat.clone(),
+            caveat: result.verdict.caveat.map(|c| words::verdict::caveat(c).to_owned()),
             scenario_sha256: p.inputs.first().map(|(_, h)| h.clone()).unwrap_or_default(),
             program_version: p.program_version.clone().into_owned(),
             seed: Some(p.seed),
@@ -195,8 +196,8 @@ impl ComparedRun {
             against: other.and_then(|o| difference((result, b), o)),
         };
         run.bodies = best.bodies.iter().map(of_body).collect();
-        let expected = |i: &usize| best.bodies[*i].rula.expected;
-        run.worst = (0..best.bodies.len()).max_by(|a, b| expected(a).total_cmp(&expected(b)));
+        let verdicts = result.verdict.body.as_deref();
+        run.worst = best.bodies.iter().position(|b| Some(b.body.as_str()) == verdicts);
         run
     }
 
@@ -240,7 +241,7 @@ impl ComparedRun {
 
 /// The best path of a run, with scores.
 fn best(result: &RunResult) -> Option<&CandidateResult> {
-    let best = result.verdict.best.as_ref()?;
+    let best = result.verdict.lead.as_ref().filter(|_| result.verdict.is_decided())?;
     result.candidates.iter().find(|c| c.id == *best && !c.bodies.is_empty())
 }
 
@@ -263,16 +264,16 @@ fn paths(result: &RunResult, best: &CandidateResult, body: &str) -> Vec<Compared
         Some(ComparedPath {
             role,
             id: c.id.clone(),
-            exposure_rula_5: b.exposure_rula_5_band,
-            rula_at_least: b.rula.exposure.clone(),
-            expected_rula: b.rula.expected,
-            p05_rula: b.rula.p05,
-            p95_rula: b.rula.p95,
-            cvar90_rula: b.rula.cvar90,
-            expected_reba: b.reba.expected,
+            exposure_rula_5: b.rula().high_band,
+            rula_at_least: b.rula().distribution.exposure.clone(),
+            expected_rula: b.rula().distribution.expected,
+            p05_rula: b.rula().distribution.p05,
+            p95_rula: b.rula().distribution.p95,
+            cvar90_rula: b.rula().distribution.cvar90,
+            expected_reba: b.reba().distribution.expected,
             reach_exceeded: b.reach_exceeded,
             best_minus_this: pairs
-                .map(|l| paired_difference(&l.rula_by_rollout, &b.rula_by_rollout)),
+                .map(|l| paired_difference(&l.rula().by_rollout, &b.rula().by_rollout)),
         })
     })
     .collect()
@@ -288,7 +289,7 @@ fn difference(
     let worst = || super::view::worst_body(theirs);
     let other_body = theirs.bodies.iter().find(|b| b.body == own.body).or_else(worst)?;
     let because = not_the_same_people((result, &own.body), (other, &other_body.body));
-    let (a, b) = (&own.rula_by_rollout, &other_body.rula_by_rollout);
+    let (a, b) = (&own.rula().by_rollout, &other_body.rula().by_rollout);
     let (mean, low95, high95, clear, people) = if because.is_none() {
         let d = paired_difference(a, b);
         (d.mean, d.low95, d.high95, d.clear, [d.n, d.n])

@@ -19,14 +19,14 @@ const HIGHEST: f64 = 6.0;
 /// `figures/parts_over_time.png`; nothing where it is not known.
 pub(super) fn heat(view: &View) -> Result<Option<Vec<u8>>, ReportError> {
     let Some(lead) = view.lead else { return Ok(None) };
-    let parts: &[PartScore] = view.scores(lead).map_or(&[], |b| &b.parts);
+    let parts: &[PartScore] = view.scores(lead).map_or(&[], |b| &b.rula().parts);
     let frames = parts.iter().map(|p| p.over_time.len()).max().unwrap_or(0);
     let end = lead.path.as_ref().and_then(|p| p.time_s.last().copied());
     let (Some(end), true) = (end, frames > 1) else { return Ok(None) };
     let height = TOP + ROW * parts.len() as f64 + 130.0;
     let drawn = png("parts_over_time", (WIDTH as u32, height as u32), |sheet| {
         let title =
-            format!("RULA step scores over time, {}: mean over people", view.lead_name(lead));
+            format!("RULA step scores over time, {}: mean over repetitions", view.lead_name(lead));
         sheet.text(&title, (230.0, 40.0), Type::bold(TITLE), Anchor::Left)?;
         let (left, right) = (230.0, WIDTH - 40.0);
         let x = |k: usize| left + (right - left) * k as f64 / frames as f64;

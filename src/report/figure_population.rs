@@ -3,19 +3,22 @@
 use super::ReportError;
 use super::figure_box::{BoxPanel, box_plots};
 use super::figure_forest::{ForestPanel, ForestRow, forest_plots};
-use super::view::{View, worst_body};
+use super::view::View;
 use crate::ergonomics::ScoreDistribution;
 use crate::planner::BodyScores;
 
 /// `figures/distributions.png`: the time mean of RULA of every repetition on each path.
 pub(super) fn distributions(view: &View) -> Result<Vec<u8>, ReportError> {
     let of = |c: &&crate::planner::CandidateResult| {
-        let body = worst_body(c)?;
+        let body = view.scores(c)?;
         // Underscores are no place to break a line.
-        Some((c.id.replace('_', " "), body.rula_by_rollout.clone()))
+        Some((c.id.replace('_', " "), body.rula().by_rollout.clone()))
     };
     let panel = BoxPanel {
-        title: "Time mean of RULA over repetitions, worst body size".to_owned(),
+        title: format!(
+            "Time mean of RULA over repetitions{}",
+            view.body.map_or_else(String::new, |b| format!(", {b}"))
+        ),
         unit: "score".to_owned(),
         is_error: false,
         methods: view.reported.iter().filter_map(of).collect(),
@@ -42,9 +45,10 @@ pub(super) fn population(view: &View) -> Result<Option<Vec<u8>>, ReportError> {
             rows: lead.bodies.iter().map(row).collect(),
         }
     };
-    let panels =
-        [panel("Expected RULA", |b| &b.rula, 4.5), panel("Expected REBA", |b| &b.reba, 7.5)];
-    let key =
-        "bold: scores worst in RULA; bar: nine of ten repetitions; dashed: action level 3 begins";
+    let panels = [
+        panel("Expected RULA", |b| &b.rula().distribution, 4.5),
+        panel("Expected REBA", |b| &b.reba().distribution, 7.5),
+    ];
+    let key = "bold: the body of the verdict; bar: nine of ten repetitions; dashed: action level 3 begins";
     forest_plots(&panels, key).map(Some)
 }

@@ -7,6 +7,7 @@ use super::sheet::{Anchor, Drawn, Sheet, Type, png};
 use super::style::{FAINT, GRID, INK, LABEL, MUTED, Pen, Stroke, TICK};
 use super::view::{View, capital};
 use crate::planner::Moment;
+use crate::words;
 
 const WIDTH: f64 = 1600.0;
 const HEIGHT: f64 = 640.0;
@@ -42,7 +43,7 @@ pub(super) fn postures(view: &View) -> Result<Option<Vec<u8>>, ReportError> {
 fn column(sheet: &Sheet, moment: &Moment, look: Look, (left, right): (f64, f64)) -> Drawn {
     let room = right - left;
     let mut line = 34.0;
-    for words in broken(sheet, &capital(&moment.what), room) {
+    for words in broken(sheet, &capital(words::cell::moment(moment.what)), room) {
         sheet.text(&words, (left, line), Type::bold(LABEL), Anchor::Left)?;
         line += 28.0;
     }

@@ -7,7 +7,7 @@ use super::style::{
     BEST, BLUE, GRID, INK, LABEL, Level, MUTED, OWN, Pen, REBA_LEVELS, RULA_LEVELS, STRAIGHT,
     Stroke, TICK, TITLE, tint,
 };
-use super::view::{View, percent, score, worst_body};
+use super::view::{View, percent, score};
 use crate::ergonomics::{REBA_WORST, RULA_WORST, ScoreDistribution};
 use crate::planner::{BodyScores, CandidateResult};
 
@@ -49,8 +49,8 @@ pub(super) fn over_time(view: &View) -> Result<Vec<u8>, ReportError> {
         let end = if end > 0.0 { end } else { view.result.setting.duration_s };
         let bottom = 1300.0 - 84.0;
         let height = (bottom - top - 150.0) / 2.0;
-        let rula: Pick = |b| &b.rula;
-        let reba: Pick = |b| &b.reba;
+        let rula: Pick = |b| &b.rula().distribution;
+        let reba: Pick = |b| &b.reba().distribution;
         let halves = [
             ("RULA", top, RULA_WORST, &RULA_LEVELS[..], rula),
             ("REBA", top + height + 150.0, REBA_WORST, &REBA_LEVELS[..], reba),
@@ -66,7 +66,7 @@ pub(super) fn over_time(view: &View) -> Result<Vec<u8>, ReportError> {
             for (pen, _, candidate) in &compared {
                 curve(sheet, &panel, view, (*pen, candidate), pick)?;
             }
-            let title = format!("{name} over time, mean over people");
+            let title = format!("{name} over time, mean over repetitions");
             let side = format!("{name} score");
             let words = Words { title: &title, x: "time (s)", y: &side };
             let ticks: Vec<f64> =
@@ -120,11 +120,12 @@ fn curve(
 
 /// `figures/levels.png`.
 pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
-    let rows = view.reported.len().max(1);
+    let bars = level_rows(view);
+    let rows = bars.len().max(1);
     let (top, row) = (150.0, 62.0);
     let height = (top + row * rows as f64 + 96.0) as u32;
     png("levels", (1600, height), |sheet| {
-        let title = "Share of time and people at each RULA action level";
+        let title = "Share of time at each RULA action level";
         sheet.text(title, (30.0, 36.0), Type::bold(TITLE), Anchor::Left)?;
         let keys: Vec<Key> = RULA_LEVELS
             .iter()
@@ -134,7 +135,7 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
             .collect();
         legend(sheet, (14.0, 84.0), 1570.0, &keys)?;
         let (left, right) = (330.0, 1250.0);
-        for (x, words) in [(1400.0, "time at 3+"), (1580.0, "people at 3+")] {
+        for (x, words) in [(1400.0, "time at 3+"), (1580.0, "for 0.5 s")] {
             sheet.text(words, (x, top - 22.0), Type::bold(TICK), Anchor::Right)?;
         }
         let along = |share: f64| left + share * (right - left);
@@ -148,29 +149,45 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
         }
         let middle = 0.5 * (left + right);
         sheet.text("share (%)", (middle, bottom + 58.0), Type::plain(LABEL), Anchor::Middle)?;
-        for (i, candidate) in view.reported.iter().enumerate() {
+        for (i, (candidate, body)) in bars.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
-            level_bar(sheet, candidate, y, &along)?;
+            level_bar(sheet, (candidate, body), y, &along)?;
         }
         Ok(())
     })
 }
 
+/// The bars: every path for the body of the verdict; the lead, the straight path and the user's own for
+/// the other bodies too.
+fn level_rows<'a>(view: &View<'a>) -> Vec<(&'a CandidateResult, &'a BodyScores)> {
+    let is_verdicts = |b: &BodyScores| Some(b.body.as_str()) == view.body;
+    let is_shown_whole = |c: &CandidateResult| {
+        let beside = view.lead.iter().chain(&view.straight).chain(&view.own);
+        beside.into_iter().any(|s| s.id == c.id)
+    };
+    let of = |c: &&'a CandidateResult| {
+        let c: &'a CandidateResult = c;
+        let shown = move |b: &&BodyScores| is_verdicts(b) || is_shown_whole(c);
+        c.bodies.iter().filter(shown).map(move |b| (c, b)).collect::<Vec<_>>()
+    };
+    view.reported.iter().flat_map(of).collect()
+}
+
 fn level_bar(
     sheet: &Sheet,
-    candidate: &CandidateResult,
+    (candidate, body): (&CandidateResult, &BodyScores),
     y: f64,
     along: &dyn Fn(f64) -> f64,
 ) -> Drawn {
-    let Some(body) = worst_body(candidate) else { return Ok(()) };
     let rank = candidate.rank.map_or_else(String::new, |r| format!("{r}. "));
-    let name = format!("{rank}{}", candidate.id);
+    let whose = if candidate.bodies.len() > 1 { format!(", {}", body.body) } else { String::new() };
+    let name = format!("{rank}{}{whose}", candidate.id);
     let name = sheet.shortened(&name, 290.0, Type::bold(LABEL));
     let bold = Type { bold: candidate.rank == Some(1), ..Type::plain(LABEL) };
     sheet.text(&name, (along(0.0) - 16.0, y), bold, Anchor::Right)?;
     let mut from = 0.0;
     for level in RULA_LEVELS {
-        let share = level.share(&body.rula.exposure);
+        let share = level.share(&body.rula().distribution.exposure);
         let (a, b) = (along(from), along(from + share));
         from += share;
         if b - a < 0.5 {
@@ -183,17 +200,17 @@ fn level_bar(
             sheet.text(&text, (0.5 * (a + b), y), Type::bold(TICK), Anchor::Middle)?;
         }
     }
-    let above = percent(body.rula.exposure.get(5).copied().unwrap_or(0.0));
+    let above = percent(body.rula().distribution.exposure.get(5).copied().unwrap_or(0.0));
     sheet.text(&above, (1400.0, y), bold, Anchor::Right)?;
-    let people = percent(body.rula.p_at_least.get(5).copied().unwrap_or(0.0));
-    sheet.text(&people, (1580.0, y), bold, Anchor::Right)
+    let lasting = percent(body.rula().distribution.p_at_least.get(5).copied().unwrap_or(0.0));
+    sheet.text(&lasting, (1580.0, y), bold, Anchor::Right)
 }
 
 /// `figures/parts.png`.
 pub(super) fn parts(view: &View) -> Result<Vec<u8>, ReportError> {
     let lead = view.lead.and_then(|l| view.scores(l));
     let straight = view.straight.and_then(|s| view.scores(s));
-    let rows = lead.map_or(1, |l| l.parts.len().max(1));
+    let rows = lead.map_or(1, |l| l.rula().parts.len().max(1));
     let (top, row) = (150.0, 66.0);
     let height = (top + row * rows as f64 + 90.0) as u32;
     png("parts", (1600, height), |sheet| {
@@ -206,12 +223,12 @@ pub(super) fn parts(view: &View) -> Result<Vec<u8>, ReportError> {
         }
         legend(sheet, (230.0, 36.0), 1300.0, &keys)?;
         let Some(lead) = lead else { return Ok(()) };
-        for (i, part) in lead.parts.iter().enumerate() {
+        for (i, part) in lead.rula().parts.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
             sheet.text(&part.part, (232.0, y), Type::plain(LABEL), Anchor::Right)?;
         }
-        let means = |b: &BodyScores| b.parts.iter().map(|p| p.mean).collect::<Vec<_>>();
-        let drives = |b: &BodyScores| b.parts.iter().map(|p| p.drives).collect::<Vec<_>>();
+        let means = |b: &BodyScores| b.rula().parts.iter().map(|p| p.mean).collect::<Vec<_>>();
+        let drives = |b: &BodyScores| b.rula().parts.iter().map(|p| p.drives).collect::<Vec<_>>();
         let left = Bars {
             x_px: (250.0, 840.0),
             titles: ["Mean RULA step score", "step score"],

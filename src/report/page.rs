@@ -5,11 +5,12 @@ use super::page_advice as advice;
 use super::page_evidence as evidence;
 use super::page_scene as scene;
 use super::page_scores as scores;
-use super::style::{RULA_LEVELS, css};
+use super::style::{RULA_LEVELS, css, method_levels};
 use super::view::{View, change, percent, score};
-use crate::ergonomics::{P_AT_LEAST_S, rula_action_level, rula_action_words};
-use crate::planner::BodyScores;
+use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
+use crate::planner::{BodyScores, MethodScores, Severity};
 use crate::scenario::Origin;
+use crate::words;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -42,7 +43,7 @@ pub(super) struct ScoreFigures {
 /// The sections in their order: id and heading.
 const SECTIONS: [(&str, &str); 16] = [
     ("verdict", "Verdict"),
-    ("levels", "Time and people at each action level"),
+    ("levels", "Time at each action level"),
     ("variants", "Paths compared"),
     ("scene", "The scene in motion"),
     ("paths", "The paths"),
@@ -50,7 +51,7 @@ const SECTIONS: [(&str, &str); 16] = [
     ("curves", "Scores over time"),
     ("postures", "Postures to look at"),
     ("bodies", "Body sizes"),
-    ("recommendations", "What would help"),
+    ("recommendations", "Small changes that help"),
     ("inputs", "Inputs and where they come from"),
     ("assumptions", "Assumptions and what is not modelled"),
     ("verification", "Verification"),
@@ -118,7 +119,7 @@ pub(super) fn document(title: &str, intro: &Markup, body: &Markup, scripts: &Mar
                 a.skip href="#main" { "Skip to the content" }
                 header.top { (intro) }
                 main id="main" { (body) }
-                footer { "Made by ergopath. The same numbers stand beside this page as files." }
+                footer { "Made by ergopath. The same numbers are in the files beside this page." }
                 script { (PreEscaped(SORT_SCRIPT)) }
                 (scripts)
             }
@@ -152,60 +153,52 @@ pub(super) fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
 
 fn verdict(view: &View) -> Markup {
     let result = view.result;
-    let best = result.verdict.best.is_some();
+    let is_decided = result.verdict.is_decided();
     html! {
-        p.headline { (ticked(&result.verdict.headline)) }
-        @if let Some(caveat) = &result.verdict.caveat {
-            p.caveat { "Caution: " (caveat) }
+        p.headline { (ticked(&words::verdict::headline(result))) }
+        @if let Some(caveat) = result.verdict.caveat {
+            p.caveat { "Caution: " (words::verdict::caveat(caveat)) }
         }
-        @if let (true, Some(body)) = (best, view.lead.and_then(|l| view.scores(l))) {
-            (keys(view, body))
+        @for doubt in words::verdict::findings(result, Severity::Doubt) {
+            p.warning { strong { "Warning: " } (ticked(&doubt)) }
         }
+        @if let (true, Some(body)) = (is_decided, words::verdict::lead_scores(result)) { (keys(view, body)) }
+        @if let Some(gain) = words::verdict::gain(result) { p { (ticked(&gain)) } }
+        (list(&words::verdict::expected(result)))
+        @if let Some(chosen) = words::verdict::chosen(result) { p { (chosen) } }
+        (list(&words::verdict::findings(result, Severity::Note)))
         (list(&result.verdict.lines))
-        (heaviest(view))
-        @if let Some(body) = view.lead.and_then(|l| view.scores(l)) { (doubts(body)) }
+        @for caution in words::verdict::findings(result, Severity::Caution) {
+            p.warning { strong { "Caution: " } (ticked(&caution)) }
+        }
+        (most_influential(view))
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
         @if view.lead.is_some() { p.note {
-            "90 % band: nine of ten repetitions lie within. Standard error: how far the mean itself may \
-             be off because only " (rollouts(view)) " repetitions were simulated. Action level 3 of RULA \
-             (score 5 or more) means: look further and change soon."
+            "90 % band: nine out of ten repetitions lie within it. Standard error: how far the mean itself may be \
+             off because only " (rollouts(view)) " repetitions were simulated. A repetition is one draw of how this one \
+             person moves. Scores are means of ordinal scores: they rank, they do not measure. Action level 3 of RULA \
+             (score 5 or more) means: investigate and change soon. Peak: the score that is exceeded for 5 % of the time, \
+             median over repetitions."
         } }
     }
 }
 
-/// Share of the samples from which a doubt is raised beside the verdict.
-const DOUBTFUL: f64 = 0.1;
-
-/// What should make the reader doubt the figures of a body.
-fn doubts(body: &BodyScores) -> Markup {
-    html! {
-        @if body.extrapolation_share > DOUBTFUL {
-            p.warning {
-                strong { "Warning: " } (percent(body.extrapolation_share))
-                " of the samples lie beyond the data on which the posture model was trained; there it extrapolates."
-            }
-        }
-        @if body.unusual_starts > DOUBTFUL {
-            p.warning {
-                strong { "Warning: " } (percent(body.unusual_starts))
-                " of the start postures are unusual for the training data: the start may be out of the \
-                 comfortable reach, or the worker placed wrongly."
-            }
-        }
-    }
-}
-
 /// The assumption that moves the expected RULA most, if any moves it.
-fn heaviest(view: &View) -> Markup {
+fn most_influential(view: &View) -> Markup {
+    let lead = ScoringMethod::Rula;
     let assumed = view.result.inputs.iter().filter(|i| i.origin == Origin::Assumed);
     let changes = assumed.filter_map(|i| i.if_changed.as_ref().map(|c| (i, c)));
-    let most = changes.max_by(|a, b| a.1.rula.abs().total_cmp(&b.1.rula.abs()));
+    let most = changes.max_by(|a, b| a.1.change[lead].abs().total_cmp(&b.1.change[lead].abs()));
+    let Some((input, to)) = most.filter(|(_, c)| c.change[lead].abs() >= 0.005) else {
+        return html! {};
+    };
+    let (name, value) = words::cell::input(&input.input);
+    let changed: Vec<String> =
+        to.change.iter().map(|(m, c)| format!("{} by {}", m.name(), change(*c))).collect();
     html! {
-        @if let Some((input, to)) = most.filter(|(_, c)| c.rula.abs() >= 0.005) {
-            p {
-                "The assumption that weighs most: " (input.input) ", " (input.value) ". If it were "
-                (to.to) ", expected RULA would change by " (change(to.rula)) " and REBA by " (change(to.reba)) "."
-            }
+        p {
+            "Most influential assumption: " (name) ", " (value) ". If it were " (words::cell::alternative(&to.to))
+            ", the expected scores would change: " (changed.join(", ")) "."
         }
     }
 }
@@ -217,41 +210,47 @@ fn rollouts(view: &View) -> String {
 
 /// The numbers that decide, large.
 fn keys(view: &View, body: &BodyScores) -> Markup {
-    let level = rula_action_level(body.rula.expected.round() as u8);
-    let color = css(RULA_LEVELS[usize::from(level.clamp(1, 4)) - 1].color);
-    let [exposure, low, high] = body.exposure_rula_5_band;
-    let at_least = body.rula.p_at_least.get(5).copied().unwrap_or(0.0);
+    let lead = ScoringMethod::Rula;
+    let leading = &body.scores[lead];
+    let [exposure, low, high] = leading.high_band;
+    let at_least =
+        leading.distribution.p_at_least.get(usize::from(lead.high())).copied().unwrap_or(0.0);
     html! {
         dl.keys {
             div.key {
-                dt { "Time at RULA action level 3 or above" }
+                dt { "Time at " (lead.name()) " action level 3 or above" }
                 dd.big { (percent(exposure)) }
                 dd.small { "90 % band " (percent(low)) " to " (percent(high)) }
             }
-            div.key {
-                dt { "Expected RULA" }
-                dd.big { (score(body.rula.expected)) }
-                dd.small { "90 % band " (score(body.rula.p05)) " to " (score(body.rula.p95)) }
-                dd { span.badge style={ "background:" (color) } { "action level " (level) } }
-                dd.small { (rula_action_words(level)) }
-            }
-            div.key {
-                dt { "Expected REBA" }
-                dd.big { (score(body.reba.expected)) }
-                dd.small { "90 % band " (score(body.reba.p05)) " to " (score(body.reba.p95)) }
-            }
+            @for (method, s) in body.scores.iter() { (score_key(method, s)) }
             @if let Some(d) = view.straight.and_then(|s| view.difference(&s.id)) {
                 div.key {
-                    dt { "RULA against the straight path" }
+                    dt { (lead.name()) " against the straight path" }
                     dd.big { @if d.clear { (change(d.mean)) } @else { "no clear difference" } }
                     dd.small { "95 % interval " (change(d.low95)) " to " (change(d.high95)) }
                 }
             }
             div.key {
-                dt { "Chance of RULA 5 or more for at least " (P_AT_LEAST_S) " s" }
+                dt { (lead.name()) " " (lead.high()) " or more for at least " (P_AT_LEAST_S) " s" }
                 dd.big { (percent(at_least)) }
                 dd.small { "share of repetitions" }
             }
+        }
+    }
+}
+
+fn score_key(method: ScoringMethod, scores: &MethodScores) -> Markup {
+    let d = &scores.distribution;
+    let level = method.level(d.expected.round() as u8);
+    let color = css(method_levels(method)[usize::from(level - method.level(1))].color);
+    html! {
+        div.key {
+            dt { "Expected " (method.name()) }
+            dd.big { (score(d.expected)) }
+            dd.small { "90 % band " (score(d.p05)) " to " (score(d.p95)) }
+            dd.small { "per metre " (score(scores.per_metre)) ", peak " (score(scores.peak)) }
+            dd { span.badge style={ "background:" (color) } { "action level " (level) } }
+            dd.small { (method.level_words(level)) }
         }
     }
 }
@@ -260,10 +259,11 @@ fn levels(view: &View, figures: &Figures) -> Markup {
     let (Some(lead), Some(figures)) = (view.lead, &figures.scores) else {
         return html! { p { "No path was scored, so there is nothing to compare." } };
     };
-    let described = super::view::worst_body(lead).map_or_else(String::new, |b| {
-        let shares = RULA_LEVELS
-            .iter()
-            .map(|l| format!("level {} {}", l.number, percent(l.share(&b.rula.exposure))));
+    let described = view.scores(lead).map_or_else(String::new, |b| {
+        let shares = RULA_LEVELS.iter().map(|l| {
+            let share = l.share(&b.rula().distribution.exposure);
+            format!("level {} {}", l.number, percent(share))
+        });
         shares.collect::<Vec<_>>().join(", ")
     });
     figure(
@@ -272,9 +272,8 @@ fn levels(view: &View, figures: &Figures) -> Markup {
             "Stacked bars of the share of time at each RULA action level. {}: {described}.",
             lead.id
         ),
-        "Each bar is one path, best first: the share of time, over all simulated repetitions, that the \
-         posture is at each RULA action level. People at 3+: the share of repetitions at level 3 or above \
-         for half a second or more in total. Worst body size of each path.",
+        "Each bar is one path for one body, best first: the share of time, over all repetitions, at each RULA action \
+         level. For 0.5 s: the share of repetitions that spend at least half a second in total at level 3 or above.",
     )
 }
 
@@ -349,7 +348,7 @@ fn parts(view: &View, figures: &Figures) -> Markup {
             (figure(
                 map,
                 "Map of the mean RULA step score of each body part over time along the best path.",
-                "When each body part is loaded: the mean step score over people at each moment, darker is higher.",
+                "When each body part is loaded: the mean step score over repetitions at each moment, darker is higher.",
             ))
         }
     }

@@ -2,7 +2,9 @@
 
 use super::page::figure;
 use super::view::{View, capital, change, percent, score};
+use crate::ergonomics::ScoringMethod;
 use crate::planner::{Recommendation, Recommendations};
+use crate::words;
 use maud::{Markup, html};
 
 /// The postures that matter, with a table that says what the figure shows.
@@ -25,7 +27,7 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
             table {
                 thead { tr {
                     th scope="col" { "Angle (\u{b0})" }
-                    @for m in moments { th.n scope="col" { (m.what) span.small { (format!("{:.2} s", m.time_s)) } } }
+                    @for m in moments { th.n scope="col" { (words::cell::moment(m.what)) span.small { (format!("{:.2} s", m.time_s)) } } }
                 } }
                 tbody {
                     tr { th scope="row" { "RULA; REBA" } @for m in moments { td.n { (m.rula) "; " (m.reba) } } }
@@ -52,46 +54,49 @@ pub(super) fn recommendations(view: &View) -> Markup {
     html! {
         (drivers)
         @if found.clear.is_empty() {
-            p { (tried(found)) " None clearly lowers expected RULA by 0.02 or more." }
+            p { (tried(found)) " None clearly lowers expected RULA by 0.02 or more without clearly raising another score." }
         } @else {
-            p { (tried(found)) " These clearly lower expected RULA, the best step of each direction:" }
+            p { (tried(found)) " These clearly lower expected RULA and clearly raise no other score; the best step in each direction:" }
             div.scroll tabindex="0" role="region" aria-label="Recommendations" {
                 table {
                     thead { tr {
                         th scope="col" { "Change" }
-                        th.n scope="col" { "Expected RULA" span.small { "95 % interval" } }
-                        th.n scope="col" { "then" }
-                        th.n scope="col" { "Expected REBA" }
-                        th.n scope="col" { "Time at action level 3+" }
+                        @for m in ScoringMethod::ALL {
+                            th.n scope="col" { "Expected " (m.name()) span.small { "change, 95 % interval" } }
+                            th.n scope="col" { "Time at " (m.name()) " level 3+" }
+                        }
                     } }
                     tbody { @for r in &found.clear { (row(r)) } }
                 }
             }
         }
         p.note {
-            "Each change alone, with path and robot as they are and the same simulated people. The hand's reach is \
-             part of the figures, and changes that bring people too near to the robot are left out; whether the cell has room is for you to \
-             look at. Leave the \
-             planner free to choose (" code { "[free]" } ") to plan anew with several changes at once."
+            "Each change is made alone, with path and robot unchanged and on the same repetitions. Changes that cost reach or \
+             bring the worker too close to the robot are left out. Check that your cell has room for them. Use " code { "[free]" } " \
+             to let the planner combine several."
         }
     }
 }
 
 fn tried(found: &Recommendations) -> String {
     format!(
-        "{} changes of the worker's place, the handle and the load were tried on the best path ({} people each).",
-        found.tried, found.people
+        "{} small changes of the worker's place, the handle and the load were tried on the best path ({} repetitions \
+         each).",
+        found.tried, found.repetitions
     )
 }
 
 fn row(r: &Recommendation) -> Markup {
     html! {
         tr {
-            th scope="row" { (capital(&r.what)) }
-            td.n { (change(r.rula.mean)) span.small { (change(r.rula.low95)) " to " (change(r.rula.high95)) } }
-            td.n { (score(r.expected_rula[1])) }
-            td.n { (change(r.expected_reba[1] - r.expected_reba[0])) }
-            td.n { (percent(r.exposure_rula_5[0])) " \u{2192} " (percent(r.exposure_rula_5[1])) }
+            th scope="row" { (capital(&words::cell::cell_change(&r.what))) }
+            @for (_, e) in r.effect.iter() {
+                td.n {
+                    (score(e.expected[1]))
+                    span.small { (change(e.change.mean)) " (" (change(e.change.low95)) " to " (change(e.change.high95)) ")" }
+                }
+                td.n { (percent(e.high[0])) " \u{2192} " (percent(e.high[1])) }
+            }
         }
     }
 }
@@ -99,11 +104,11 @@ fn row(r: &Recommendation) -> Markup {
 /// The body part that drives the total most.
 fn driver_words(view: &View) -> Option<String> {
     let body = view.lead.and_then(|l| view.scores(l))?;
-    let most = body.parts.iter().max_by(|a, b| a.drives.total_cmp(&b.drives))?;
+    let most = body.rula().parts.iter().max_by(|a, b| a.drives.total_cmp(&b.drives))?;
     (most.drives > 0.0).then(|| {
         format!(
-            "What drives the score most is the step \u{201c}{}\u{201d}: at its lowest score all the time, expected RULA \
-             would be {} lower.",
+            "The step that drives RULA most is \u{201c}{}\u{201d}: if it were at its lowest all the time, expected RULA would \
+             be {} lower.",
             most.part,
             score(most.drives)
         )

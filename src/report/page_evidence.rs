@@ -4,29 +4,21 @@
 use super::page::{list, ticked};
 use super::page_scores::error;
 use super::view::{View, change, percent, quantity_words, score, value};
+use crate::ergonomics::ScoringMethod;
 use crate::path::Check;
 use crate::planner::{BodyScores, CandidateResult, InputOrigin, PathData, PersonClearance, Status};
 use crate::scenario::Origin;
+use crate::words;
 use maud::{Markup, html};
-
-fn origin_words(origin: Origin) -> &'static str {
-    match origin {
-        Origin::Measured => "measured",
-        Origin::Predicted => "predicted by the posture model",
-        Origin::FromTheTask => "from the task",
-        Origin::Assumed => "assumed",
-        Origin::Unknown => "unknown, not scored",
-    }
-}
 
 /// Where each input of the scores comes from.
 pub(super) fn inputs(view: &View) -> Markup {
     html! {
         p.note {
-            "What is assumed was not measured or given. The last columns say how the expected scores of the best path change \
-             if the input is what stands in the column before"
-            @if view.lead.is_some_and(|l| l.bodies.len() > 1) { ", for the body that is listed first" }
-            "."
+            "Assumed inputs were neither measured nor given. The last columns show how the expected scores of the best path would \
+             change"
+            @if let Some(body) = view.body { " for " (body) }
+            " if the input had the value in the column before."
         }
         div.scroll tabindex="0" role="region" aria-label="Inputs" {
             table {
@@ -35,8 +27,7 @@ pub(super) fn inputs(view: &View) -> Markup {
                     th scope="col" { "Value" }
                     th scope="col" { "Where from" }
                     th scope="col" { "If it were" }
-                    th.n scope="col" { "Change of expected RULA" }
-                    th.n scope="col" { "Change of expected REBA" }
+                    @for m in ScoringMethod::ALL { th.n scope="col" { "Change in expected " (m.name()) } }
                 } }
                 tbody { @for input in &view.result.inputs { (input_row(input)) } }
             }
@@ -45,17 +36,17 @@ pub(super) fn inputs(view: &View) -> Markup {
 }
 
 fn input_row(input: &InputOrigin) -> Markup {
+    let (name, value) = words::cell::input(&input.input);
     html! {
         tr {
-            th scope="row" { (input.input) }
-            td { (input.value) }
-            td { @if input.origin == Origin::Assumed { strong { "assumed" } } @else { (origin_words(input.origin)) } }
+            th scope="row" { (name) }
+            td { (value) }
+            td { @if input.origin == Origin::Assumed { strong { "assumed" } } @else { (words::cell::origin(input.origin)) } }
             @if let Some(to) = &input.if_changed {
-                td { (to.to) }
-                td.n { (change(to.rula)) }
-                td.n { (change(to.reba)) }
+                td { (words::cell::alternative(&to.to)) }
+                @for (_, by) in to.change.iter() { td.n { (change(*by)) } }
             } @else {
-                td { "–" } td.n { "–" } td.n { "–" }
+                td { "–" } @for _ in ScoringMethod::ALL { td.n { "–" } }
             }
         }
     }
@@ -85,10 +76,10 @@ pub(super) fn verification(view: &View) -> Markup {
     html! {
         @if let Some(path) = &lead.path { (limits(&lead.id, path)) }
         @if let Some(body) = view.scores(lead) {
-            h3 { "Simulated people" @if lead.bodies.len() > 1 { " (" (body.body) ")" } }
+            h3 { "Simulated repetitions" @if lead.bodies.len() > 1 { " (" (body.body) ")" } }
             (trust(body))
         }
-        (another_seed(view))
+        (searched(view))
         (thresholds(view))
         (near_people(lead))
     }
@@ -188,19 +179,11 @@ fn check_row(check: &Check) -> Markup {
     }
 }
 
-/// The best path among other people, and what was searched.
-fn another_seed(view: &View) -> Markup {
-    let Some(c) = &view.result.certificate else { return html! {} };
-    let moved = c.expected_rula_other_seed - c.expected_rula;
-    let is_within = moved.abs() <= c.half_width95;
+/// What was searched.
+fn searched(view: &View) -> Markup {
     html! {
-        h3 { "Under another seed" }
-        p {
-            (c.people) " other simulated people: expected RULA " (score(c.expected_rula_other_seed)) " against "
-            (score(c.expected_rula)) ", " @if is_within { "within" } @else { strong { "outside" } }
-            " the 95 % interval of " (format!("{:.3}", c.half_width95)) " for chance alone. The path itself was not searched again."
-        }
         @if !view.result.search.is_empty() {
+            h3 { "Searches" }
             ul { @for s in &view.result.search { li { (s.name) ": " (s.paths) " paths tried, " (s.infeasible) " refused" } } }
         }
     }
@@ -210,19 +193,17 @@ fn another_seed(view: &View) -> Markup {
 fn thresholds(view: &View) -> Markup {
     let Some(t) = &view.result.threshold_sensitivity else { return html! {} };
     html! {
-        h3 { "If the angle thresholds lay elsewhere" }
+        h3 { "Threshold sensitivity" }
         div.scroll tabindex="0" role="region" aria-label="Moved thresholds" { table.slim {
             caption { "Expected scores of the best path with thresholds moved by " (t.by_deg) "\u{b0} (measured angles are as uncertain as that)." }
             thead { tr {
                 th scope="col" { "Thresholds of" }
-                th.n scope="col" { "RULA, laxer to stricter" }
-                th.n scope="col" { "REBA, laxer to stricter" }
+                @for m in ScoringMethod::ALL { th.n scope="col" { (m.name()) ", laxer to stricter" } }
             } }
             tbody { @for b in &t.bands {
                 tr {
                     th scope="row" { (b.part.map_or("all together", |p| p.name())) }
-                    td.n { (score(b.laxer.rula)) " to " (score(b.stricter.rula)) }
-                    td.n { (score(b.laxer.reba)) " to " (score(b.stricter.reba)) }
+                    @for m in ScoringMethod::ALL { td.n { (score(b.laxer[m])) " to " (score(b.stricter[m])) } }
                 }
             } }
         } }
@@ -232,9 +213,9 @@ fn thresholds(view: &View) -> Markup {
 fn trust(b: &BodyScores) -> Markup {
     html! {
         dl.pairs {
-            dt { "Repetitions" } dd { (b.rollouts) " simulated people, each along the whole path" }
+            dt { "Repetitions" } dd { (b.rollouts) ", each along the whole path" }
             dt { "Monte Carlo standard error" }
-            dd { "RULA " (error(b.rula.standard_error)) ", REBA " (error(b.reba.standard_error)) " (from the limited number of repetitions alone)" }
+            dd { @for (m, s) in b.scores.iter() { (m.name()) " " (error(s.distribution.standard_error)) ", " } "(from the limited number of repetitions alone)" }
             dt { "Hand to path" }
             dd {
                 "at most " (format!("{:.2}", b.hand_residual_max_mm)) " mm, root mean square "
@@ -397,27 +378,16 @@ pub(super) fn provenance(view: &View) -> Markup {
 
 fn planner(view: &View) -> Markup {
     let s = &view.result.planner;
-    let o = &s.objective;
-    let weights = [
-        ("expected RULA", o.expected_rula),
-        ("expected REBA", o.expected_reba),
-        ("RULA, mean of the worst tenth", o.cvar90_rula),
-        ("share of time at RULA 5 or more", o.exposure_rula_5),
-    ];
-    let sum: Vec<String> = weights
-        .iter()
-        .filter(|(_, w)| *w != 0.0)
-        .map(|(name, w)| format!("{w} x {name}"))
-        .collect();
+    let sum = words::verdict::objective(&s.objective);
     html! {
         h3 { "Planner " (s.name) }
         dl.pairs {
-            dt { "Made small" } dd { (sum.join(" + ")) }
+            dt { "Objective" } dd { (sum) " (as small as possible)" }
             dt { "Candidates" }
             dd { (s.population * s.generations) " in " (s.generations) " generations, with " (s.vias) " via-points each (first typical bend " (s.sampled_offset_m) " m), beside the named ones (bend " (s.named_offset_m) " m)" }
             dt { "Steps of a path" } dd { (s.steps) }
-            dt { "People" }
-            dd { (s.rollouts_first) " to " (s.rollouts_most) " per path in the search, " (s.rollouts_final) " in the selection and, fresh ones, in this report" }
+            dt { "Repetitions" }
+            dd { (s.rollouts_first) " to " (s.rollouts_most) " per path in the search, " (s.rollouts_final) " in the selection and as many fresh ones in this report" }
             dt { "Shortlist" } dd { (s.shortlist) " paths, and always the straight path and your own" }
         }
     }

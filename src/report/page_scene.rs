@@ -82,8 +82,8 @@ fn page_motion<'a>(
         |b: &BandOverTime| BandOverTime { mean: at(&b.mean), p05: at(&b.p05), p95: at(&b.p95) };
     let scores = candidate.bodies.iter().map(|b| PageScores {
         body: &b.body,
-        rula: band(&b.rula.band),
-        reba: band(&b.reba.band),
+        rula: band(&b.rula().distribution.band),
+        reba: band(&b.reba().distribution.band),
     });
     let millimetres = |t: &[f64; 7]| [t[0], t[1], t[2]].map(|v| (1e3 * v).round() as i64);
     Some(PageMotion {

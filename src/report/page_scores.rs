@@ -1,9 +1,10 @@
 //! Sections of the page that hold scores as tables: paths compared, body parts, body sizes.
 
 use super::page::ticked;
-use super::view::{View, change, family_words, percent, score, state_words, worst_body};
-use crate::ergonomics::P_AT_LEAST_S;
-use crate::planner::{BodyScores, CandidateResult, Status};
+use super::view::{View, change, percent, score, state_words};
+use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
+use crate::planner::{BodyScores, CandidateResult, HandMotion, Status};
+use crate::words;
 use maud::{Markup, html};
 
 /// The table of paths.
@@ -11,7 +12,6 @@ pub(super) fn variants(view: &View) -> Markup {
     if view.reported.is_empty() {
         return html! { p { "No path was scored." } };
     }
-    let several = view.reported.iter().any(|c| c.bodies.len() > 1);
     let searched = view
         .result
         .candidates
@@ -23,69 +23,89 @@ pub(super) fn variants(view: &View) -> Markup {
             table {
                 caption {
                     "Paths of the report, best first"
-                    @if several { "; figures of the body size that scores worst" }
-                    ". Scores are means of ordinal scores, over people and time: they rank, they do not measure."
+                    @if let Some(body) = view.body { "; figures for " (body) }
+                    ". Scores are means of ordinal scores, over repetitions and time: they rank, they do not measure."
                 }
                 thead { tr {
-                    th.n scope="col" { "Rank" }
+                    th.n scope="col" { "Rank" span.small { "objective" } }
                     th scope="col" { "Path" }
-                    th.n scope="col" { "Time at action level 3+" span.small { "90 % band" } }
-                    th.n scope="col" { "Expected RULA" span.small { "90 % band; standard error" } }
-                    th.n scope="col" { "Expected REBA" span.small { "90 % band" } }
+                    th.n scope="col" { "Time at RULA action level 3+" span.small { "90 % band" } }
+                    @for m in ScoringMethod::ALL {
+                        th.n scope="col" { "Expected " (m.name()) span.small { "90 % band; standard error" } }
+                        th.n scope="col" { (m.name()) " per metre" span.small { "peak" } }
+                    }
                     th.n scope="col" { "RULA, mean of the worst tenth" }
                     th.n scope="col" { "RULA 5+ for at least " (P_AT_LEAST_S) " s" span.small { "share of repetitions" } }
                     th.n scope="col" { "RULA, difference to the best" span.small { "95 % interval" } }
+                    th.n scope="col" { "Hand speed (m/s)" span.small { "acceleration (m/s²)" } }
                     th.n scope="col" { "Out of reach" }
                     th scope="col" { "Limits" }
                 } }
-                tbody { @for c in &view.reported { @if let Some(b) = worst_body(c) { (variant(view, c, b)) } } }
+                tbody { @for c in &view.reported { @if let Some(b) = view.scores(c) { (variant(view, c, b)) } } }
             }
         }
         p.note {
-            "Mean of the worst tenth (CVaR90): the mean over the one repetition in ten that scores highest. \
-             95 % interval: where the true mean difference lies, as far as the number of repetitions tells; both paths \
-             are walked by the same simulated people. Out of reach: share of repetitions in which the hand cannot follow; these count as \
-             the worst score from there on."
-            " Ranked on other simulated people than those of these figures, so that neighbours may stand the other way \
-             round. "
+            "Ranked by the planner's objective on other repetitions than those of the figures, so that the winner's figures \
+             are not flattered by having been chosen; adjacent ranks may therefore swap. Per metre: mean over hand travel \
+             instead of time, which does not depend on the timing. Peak: exceeded for 5 % of the time, median over repetitions. \
+             Mean of the worst tenth (CVaR90): the mean over the one repetition in ten that scores highest. 95 % interval: \
+             where the true mean difference lies, as far as the number of repetitions tells; all paths meet the same \
+             repetitions. Out of reach: share of repetitions in which the hand cannot follow; from then on these count as the \
+             worst score. "
             @if searched > 0 {
-                (searched) " more paths were scored on few people in the search and not shortlisted; they \
-                 stand in " code { "candidates.csv" } "."
+                (searched) " more paths were scored in the search, on few repetitions, and not shortlisted; they are in "
+                code { "candidates.csv" } "."
             }
         }
     }
 }
 
 fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
-    let [exposure, low, high] = b.exposure_rula_5_band;
+    let [exposure, low, high] = b.rula().high_band;
     let leads = view.lead.is_some_and(|l| l.id == c.id);
     let is_best = view.result.verdict.best.as_deref() == Some(c.id.as_str());
+    let rula = &b.rula().distribution;
     html! {
         tr.best[is_best] {
-            td.n { (c.rank.map_or_else(String::new, |r| r.to_string())) }
+            td.n {
+                (c.rank.map_or_else(String::new, |r| r.to_string()))
+                @if let Some(value) = c.objective { span.small { (score(value)) } }
+            }
             th scope="row" {
-                (c.id)
-                span.small { (family_words(c.family)) }
+                (words::paths::path_name(c))
+                span.small { code { (c.id) } }
                 @if let Some(end) = c.path.as_ref().and_then(|p| p.time_s.last()) { span.small { (format!("{end:.2} s")) } }
             }
             td.n { (percent(exposure)) span.small { (percent(low)) " to " (percent(high)) } }
-            td.n {
-                (score(b.rula.expected))
-                span.small { (score(b.rula.p05)) " to " (score(b.rula.p95)) }
-                span.small { "s.e. " (error(b.rula.standard_error)) }
+            @for (_, s) in b.scores.iter() {
+                td.n {
+                    (score(s.distribution.expected))
+                    span.small { (score(s.distribution.p05)) " to " (score(s.distribution.p95)) }
+                    span.small { "s.e. " (error(s.distribution.standard_error)) }
+                }
+                td.n { (score(s.per_metre)) span.small { (score(s.peak)) } }
             }
-            td.n { (score(b.reba.expected)) span.small { (score(b.reba.p05)) " to " (score(b.reba.p95)) } }
-            td.n { (score(b.rula.cvar90)) }
-            td.n { (percent(b.rula.p_at_least.get(5).copied().unwrap_or(0.0))) }
+            td.n { (score(rula.cvar90)) }
+            td.n { (percent(rula.p_at_least.get(5).copied().unwrap_or(0.0))) }
             td.n { @if leads { "–" } @else { (difference(view, c)) } }
+            td.n { @if let Some(p) = &c.path { (hand(&p.hand)) } }
             td.n { (percent(b.reach_exceeded)) }
             td {
                 (state_words(&c.status))
                 @if let Status::Marked { violations } = &c.status {
                     @for v in violations { span.small { (ticked(v)) } }
                 }
+                @for b in &c.bought { span.small { "not the best: " (words::paths::bought(b)) } }
             }
         }
+    }
+}
+
+/// Greatest speed and acceleration of the hand.
+fn hand(h: &HandMotion) -> Markup {
+    html! {
+        (format!("{:.2}", h.speed_m_s))
+        span.small { (h.acceleration_m_s2.map_or_else(|| "not at rest at its ends".to_owned(), |a| format!("{a:.2}"))) }
     }
 }
 
@@ -121,13 +141,13 @@ pub(super) fn parts(view: &View) -> Markup {
                     }
                 } }
                 tbody {
-                    @for (i, part) in lead.parts.iter().enumerate() {
+                    @for (i, part) in lead.rula().parts.iter().enumerate() {
                         tr {
                             th scope="row" { (part.part) }
                             td.n { (score(part.mean)) }
                             td.n { (score(part.drives)) }
                             @if let Some(s) = straight {
-                                @if let Some(p) = s.parts.get(i) {
+                                @if let Some(p) = s.rula().parts.get(i) {
                                     td.n { (score(p.mean)) }
                                     td.n { (score(p.drives)) }
                                 }
@@ -158,8 +178,10 @@ pub(super) fn bodies(view: &View) -> Markup {
                 thead { tr {
                     th scope="col" { "Body" }
                     th.n scope="col" { "Time at action level 3+" span.small { "90 % band" } }
-                    th.n scope="col" { "Expected RULA" span.small { "90 % band" } }
-                    th.n scope="col" { "Expected REBA" span.small { "90 % band" } }
+                    @for m in ScoringMethod::ALL {
+                        th.n scope="col" { "Expected " (m.name()) span.small { "90 % band" } }
+                        th.n scope="col" { (m.name()) " per metre" span.small { "peak" } }
+                    }
                     th.n scope="col" { "Out of reach" }
                 } }
                 tbody {
@@ -167,15 +189,20 @@ pub(super) fn bodies(view: &View) -> Markup {
                         tr {
                             th scope="row" {
                                 (b.body)
-                                @if Some(b.body.as_str()) == view.body { span.small { "scores worst" } }
+                                @if Some(b.body.as_str()) == view.body { span.small { "the verdict is for this body" } }
                                 @if let Some(words) = words(setting.bodies.as_slice(), &b.body) { span.small { (words) } }
                             }
                             td.n {
-                                (percent(b.exposure_rula_5_band[0]))
-                                span.small { (percent(b.exposure_rula_5_band[1])) " to " (percent(b.exposure_rula_5_band[2])) }
+                                (percent(b.rula().high_band[0]))
+                                span.small { (percent(b.rula().high_band[1])) " to " (percent(b.rula().high_band[2])) }
                             }
-                            td.n { (score(b.rula.expected)) span.small { (score(b.rula.p05)) " to " (score(b.rula.p95)) } }
-                            td.n { (score(b.reba.expected)) span.small { (score(b.reba.p05)) " to " (score(b.reba.p95)) } }
+                            @for (_, s) in b.scores.iter() {
+                                td.n {
+                                    (score(s.distribution.expected))
+                                    span.small { (score(s.distribution.p05)) " to " (score(s.distribution.p95)) }
+                                }
+                                td.n { (score(s.per_metre)) span.small { (score(s.peak)) } }
+                            }
                             td.n { (percent(b.reach_exceeded)) }
                         }
                     }

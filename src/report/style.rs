@@ -3,6 +3,7 @@
 //! Colours are those of Okabe and Ito, which people with the common forms of colour blindness tell
 //! apart; wherever colour carries meaning, a label, a line style or a marker carries it too.
 
+use crate::ergonomics::ScoringMethod;
 use plotters::style::RGBColor;
 
 /// Name under which the embedded font is registered.
@@ -60,6 +61,14 @@ pub(super) const REBA_LEVELS: [Level; 5] = [
     level(3, (8, 10), ORANGE, "high risk"),
     level(4, (11, 15), VERMILION, "very high risk"),
 ];
+
+/// The action levels of a scoring method, from the lowest.
+pub(super) fn method_levels(method: ScoringMethod) -> &'static [Level] {
+    match method {
+        ScoringMethod::Rula => &RULA_LEVELS,
+        ScoringMethod::Reba => &REBA_LEVELS,
+    }
+}
 
 impl Level {
     /// Its scores as text: `5-6`, or `7`.

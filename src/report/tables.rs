@@ -1,40 +1,54 @@
 //! The tables of a run as CSV: all candidates, and each reported path over time.
 
 use super::ReportError;
-use super::view::worst_body;
+use super::view::View;
+use crate::ergonomics::ScoringMethod;
 use crate::path::Family;
-use crate::planner::{CandidateResult, Evaluated, PathData, RolloutTable, RunResult, Status};
+use crate::planner::{
+    BodyScores, CandidateResult, Evaluated, MethodScores, PathData, RolloutTable, Status,
+};
+use crate::words;
 
-const COLUMNS: [&str; 15] = [
-    "rank",
-    "id",
-    "family",
-    "state",
-    "evaluated",
-    "expected_rula",
-    "expected_reba",
-    "exposure_rula_5",
-    "exposure_reba_8",
-    "cvar90_rula",
+/// Columns before and after those of the scoring methods.
+const FIRST: [&str; 8] =
+    ["rank", "id", "name", "family", "state", "evaluated", "objective", "body"];
+const LAST: [&str; 6] = [
     "reach_exceeded",
-    "se_expected_rula",
-    "p05_rula",
-    "p95_rula",
+    "hand_travel_m",
+    "hand_speed_max_m_s",
+    "hand_acceleration_max_m_s2",
+    "not_best_because",
     "reason",
 ];
 
-/// `candidates.csv`: the worst body of each path.
-pub(super) fn candidates(result: &RunResult) -> Result<Vec<u8>, ReportError> {
+/// Columns of a scoring method.
+fn columns(method: ScoringMethod) -> [String; 8] {
+    let (key, high) = (method.key(), method.high());
+    [
+        format!("expected_{key}"),
+        format!("se_expected_{key}"),
+        format!("p05_{key}"),
+        format!("p95_{key}"),
+        format!("cvar90_{key}"),
+        format!("exposure_{key}_{high}"),
+        format!("{key}_per_metre"),
+        format!("peak_{key}"),
+    ]
+}
+
+/// `candidates.csv`: each path for the body of the verdict, which is named.
+pub(super) fn candidates(view: &View) -> Result<Vec<u8>, ReportError> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(COLUMNS)?;
-    for candidate in &result.candidates {
-        table.write_record(row(candidate))?;
+    let own = ScoringMethod::ALL.into_iter().flat_map(columns);
+    let header = FIRST.map(str::to_owned).into_iter().chain(own).chain(LAST.map(str::to_owned));
+    table.write_record(header)?;
+    for candidate in &view.result.candidates {
+        table.write_record(row(candidate, view.scores(candidate)))?;
     }
     table.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
 }
 
-fn row(c: &CandidateResult) -> [String; 15] {
-    let body = worst_body(c);
+fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<String> {
     let number =
         |v: Option<f64>| v.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string());
     let (state, reason) = match &c.status {
@@ -47,29 +61,48 @@ fn row(c: &CandidateResult) -> [String; 15] {
         Evaluated::Search => "search",
         Evaluated::Reported => "reported",
     };
-    [
+    let mut row = vec![
         c.rank.map_or_else(String::new, |r| r.to_string()),
         c.id.clone(),
+        words::paths::path_name(c),
         family_name(c.family).to_owned(),
         state.to_owned(),
         evaluated.to_owned(),
-        number(body.map(|b| b.rula.expected)),
-        number(body.map(|b| b.reba.expected)),
-        number(body.and_then(|b| b.rula.exposure.get(5).copied())),
-        number(body.and_then(|b| b.reba.exposure.get(8).copied())),
-        number(body.map(|b| b.rula.cvar90)),
+        number(c.objective),
+        body.map(|b| b.body.clone()).unwrap_or_default(),
+    ];
+    for method in ScoringMethod::ALL {
+        let s = body.map(|b| &b.scores[method]);
+        let of = |f: fn(&MethodScores) -> f64| number(s.map(f));
+        row.extend([
+            of(|s| s.distribution.expected),
+            number(s.and_then(|s| s.distribution.standard_error)),
+            of(|s| s.distribution.p05),
+            of(|s| s.distribution.p95),
+            of(|s| s.distribution.cvar90),
+            of(|s| s.high_band[0]),
+            of(|s| s.per_metre),
+            of(|s| s.peak),
+        ]);
+    }
+    let hand = c.path.as_ref().map(|p| &p.hand);
+    let why: Vec<String> = c.bought.iter().map(words::paths::bought).collect();
+    row.extend([
         number(body.map(|b| b.reach_exceeded)),
-        number(body.and_then(|b| b.rula.standard_error)),
-        number(body.map(|b| b.rula.p05)),
-        number(body.map(|b| b.rula.p95)),
+        number(hand.map(|h| h.travel_m)),
+        number(hand.map(|h| h.speed_m_s)),
+        number(hand.and_then(|h| h.acceleration_m_s2)),
+        why.join("; "),
         reason,
-    ]
+    ]);
+    row
 }
 
 /// A family's name as in `result.json`.
 fn family_name(family: Family) -> &'static str {
     match family {
         Family::Straight => "straight",
+        Family::StraightRetimed => "straight_retimed",
         Family::Lifted => "lifted",
         Family::Lowered => "lowered",
         Family::TowardBody => "toward_body",

@@ -1,6 +1,7 @@
 //! Tests of the whole set of files, on a small run made once.
 
 use super::*;
+use crate::ergonomics::ScoringMethod;
 use crate::human::{Body, Side};
 use crate::planner::{Request, load_preset, plan};
 use crate::posture::{save_model, simulated_operator};
@@ -306,7 +307,7 @@ fn numbers_of_the_page_are_those_of_the_result() {
             assert!(row.contains(&shown), "{id} {score} {value} {shown}");
             seen += 1;
         }
-        let shown = view::percent(body["exposure_rula_5_band"][0].as_f64().unwrap());
+        let shown = view::percent(body["rula"]["high_band"][0].as_f64().unwrap());
         assert!(row.contains(&shown.replace('<', "&lt;").replace('>', "&gt;")), "{id} {shown}");
     }
     assert!(seen >= 15);
@@ -339,8 +340,9 @@ fn comparison_file(runs: &[NamedRun], against: Option<&str>, ending: &str) -> St
 fn raised(by: f64) -> RunResult {
     let mut other = feasible().clone();
     for b in other.candidates.iter_mut().flat_map(|c| &mut c.bodies) {
-        b.rula_by_rollout.iter_mut().for_each(|v| *v += by);
-        b.rula.expected += by;
+        let rula = &mut b.scores[ScoringMethod::Rula];
+        rula.by_rollout.iter_mut().for_each(|v| *v += by);
+        rula.distribution.expected += by;
     }
     other
 }
@@ -358,7 +360,7 @@ fn runs_are_compared_best_first() {
     assert_eq!(names, ["first", "worse", "broken", "none"]);
     let best = compared.ranked()[0].best().unwrap().clone();
     let body = view::worst_body(&feasible().candidates[0]).unwrap();
-    assert_eq!(best.expected_rula, body.rula.expected);
+    assert_eq!(best.expected_rula, body.rula().distribution.expected);
     assert!(matches!(compared.runs[1].state, RowState::NoFeasiblePath(_)));
     let page = comparison_file(&runs, Some("first"), "html");
     assert_self_contained(&page);
@@ -406,6 +408,7 @@ fn people_are_paired_only_where_they_are_the_same() {
     for b in other.candidates.iter_mut().flat_map(|c| &mut c.bodies) {
         b.body.push_str("_tall");
     }
+    other.verdict.body = other.verdict.body.map(|b| b + "_tall");
     assert!(against(other).unpaired_because.unwrap().starts_with("bodies"));
 }
 
@@ -418,7 +421,7 @@ fn a_result_that_was_read_back_gives_the_same_files() {
     }
     // What is not finite is null in JSON, and is shown alike.
     let mut odd = feasible().clone();
-    odd.comparisons[0].rula.low95 = f64::NEG_INFINITY;
+    odd.comparisons[0].scores[ScoringMethod::Rula].time_mean.low95 = f64::NEG_INFINITY;
     let path = odd.candidates[0].path.as_mut().unwrap();
     path.checks[0].value = f64::INFINITY;
     let text = result_json(&odd).unwrap();

@@ -99,6 +99,11 @@ pub(super) struct FreeFile {
     /// How far the tool may turn on its way besides the turn from start to goal, deg.
     #[schemars(range(min = 0.0, max = 90.0))]
     pub turn_on_the_way_deg: Option<f64>,
+    /// Parts of the path may be quicker or slower than by the minimum-jerk law, in the same time; default false.
+    pub pace: Option<bool>,
+    /// How much: standard deviation of the logarithm of a part's duration; default 1.
+    #[schemars(range(min = 0.0, max = 3.0))]
+    pub pace_spread: Option<f64>,
 }
 
 /// Who works, where, and in which posture.

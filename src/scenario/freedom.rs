@@ -7,7 +7,7 @@ use super::source::Source;
 use crate::files::InputError;
 use crate::math::{Pose, Vec3};
 use nalgebra::UnitQuaternion;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One number that may be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -109,7 +109,15 @@ pub struct Freedoms {
     pub goals: Vec<Pose>,
     /// How far the tool may turn on its way besides the turn from start to goal, rad.
     pub turn_rad: Option<f64>,
+    /// How much parts of the path may be quicker or slower than by the minimum-jerk law, in the same
+    /// time: standard deviation of the logarithm of a part's duration.
+    pub pace_spread: Option<f64>,
 }
+
+/// Name of the freedom of the pace.
+pub const TIMING: &str = "timing";
+/// Spread of the pace where the scenario does not say.
+const PACE_SPREAD: f64 = 1.0;
 
 /// Name of the freedom to turn on the way.
 pub const TURN_ON_THE_WAY: &str = "turn on the way";
@@ -163,44 +171,68 @@ impl Scenario {
     }
 }
 
+/// Something that a variant chooses otherwise than the scenario says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "chosen", content = "value", rename_all = "snake_case")]
+pub enum Chosen {
+    /// Where the movement starts, world, m.
+    StartAt([f64; 3]),
+    /// By how much the start is turned, rad.
+    StartTurned(f64),
+    /// Where it ends, world, m.
+    GoalAt([f64; 3]),
+    /// By how much the goal is turned, rad.
+    GoalTurned(f64),
+    /// Where the robot's base stands, world, m.
+    BaseAt([f64; 3]),
+    /// By how much the robot's base is turned, rad.
+    BaseTurned(f64),
+    /// By how much the grip is turned, rad.
+    GripTurned(f64),
+    /// Where the worker stands, m.
+    WorkerAt([f64; 2]),
+    /// Where the worker faces, rad about world z.
+    WorkerFacing(f64),
+    /// Duration, s.
+    Duration(f64),
+    /// Rest on the way, s.
+    Rest(f64),
+}
+
+/// How a place and a turn of something are told.
+type PlaceAndTurn = (fn([f64; 3]) -> Chosen, fn(f64) -> Chosen);
+
 impl Scenario {
-    /// What a variant chooses besides the path, a few words each; empty where nothing is free.
-    pub fn chosen(&self, v: &Variant) -> Vec<String> {
+    /// What a variant chooses besides the path; empty where nothing is free.
+    pub fn chosen(&self, v: &Variant) -> Vec<Chosen> {
         let from = self.nominal();
-        let at = |p: &Pose| {
-            let x = &p.translation.vector;
-            format!("({:.3}, {:.3}, {:.3}) m", x.x, x.y, x.z)
-        };
-        let turned = |a: &Pose, b: &Pose| a.rotation.angle_to(&b.rotation).to_degrees();
-        let mut words = Vec::new();
-        for (what, now, was) in [
-            ("start", &v.start, &from.start),
-            ("goal", &v.goal, &from.goal),
-            ("robot base", &v.base, &from.base),
-        ] {
+        let turned = |a: &Pose, b: &Pose| a.rotation.angle_to(&b.rotation);
+        let ends: [(PlaceAndTurn, &Pose, &Pose); 3] = [
+            ((Chosen::StartAt, Chosen::StartTurned), &v.start, &from.start),
+            ((Chosen::GoalAt, Chosen::GoalTurned), &v.goal, &from.goal),
+            ((Chosen::BaseAt, Chosen::BaseTurned), &v.base, &from.base),
+        ];
+        let mut all = Vec::new();
+        for ((at, by), now, was) in ends {
             if (now.translation.vector - was.translation.vector).norm() > 5e-4 {
-                words.push(format!("{what} at {}", at(now)));
+                all.push(at(now.translation.vector.into()));
             }
-            if turned(now, was) > 0.05 {
-                words.push(format!("{what} turned by {:.1} deg", turned(now, was)));
+            if turned(now, was) > 1e-3 {
+                all.push(by(turned(now, was)));
             }
         }
-        if turned(&v.grip, &from.grip) > 0.05 {
-            words.push(format!("grip turned by {:.1} deg", turned(&v.grip, &from.grip)));
+        if turned(&v.grip, &from.grip) > 1e-3 {
+            all.push(Chosen::GripTurned(turned(&v.grip, &from.grip)));
         }
         if v.at_m.iter().zip(from.at_m).any(|(a, b)| (a - b).abs() > 5e-4) {
-            words.push(format!("worker at ({:.3}, {:.3}) m", v.at_m[0], v.at_m[1]));
+            all.push(Chosen::WorkerAt(v.at_m));
         }
         if (v.facing - from.facing).abs() > 1e-3 {
-            words.push(format!("worker facing {:.1} deg", v.facing.to_degrees()));
+            all.push(Chosen::WorkerFacing(v.facing));
         }
-        if self.free.range(Freedom::Duration).is_some() {
-            words.push(format!("duration {:.2} s", v.duration_s));
-        }
-        if self.free.range(Freedom::Dwell).is_some() {
-            words.push(format!("rest on the way {:.2} s", v.dwell_s));
-        }
-        words
+        all.extend(self.free.range(Freedom::Duration).map(|_| Chosen::Duration(v.duration_s)));
+        all.extend(self.free.range(Freedom::Dwell).map(|_| Chosen::Rest(v.dwell_s)));
+        all
     }
 }
 
@@ -210,6 +242,7 @@ impl Freedoms {
         let mut names: Vec<&'static str> = self.all.iter().map(|(f, _)| f.name()).collect();
         names.dedup();
         names.extend(self.turn_rad.map(|_| TURN_ON_THE_WAY));
+        names.extend(self.pace_spread.map(|_| TIMING));
         names
     }
 
@@ -271,6 +304,7 @@ pub(super) fn resolve_free(
         starts: vec![*start],
         goals: vec![*goal],
         turn_rad: turn_on_the_way(source, file)?,
+        pace_spread: pace_spread(source, file)?,
     };
     for (places, list, freedom, key) in [
         (&file.start_places, &mut free.starts, Freedom::StartPlace, "free.start_places"),
@@ -331,6 +365,31 @@ fn turn_on_the_way(source: &Source, file: &FreeFile) -> Result<Option<f64>, Inpu
     Err(source
         .plain(format!("free.turn_on_the_way_deg = {most} is not within 0 to 90"))
         .remedy("give the largest angle by which the tool may turn besides, in degrees"))
+}
+
+fn pace_spread(source: &Source, file: &FreeFile) -> Result<Option<f64>, InputError> {
+    let spread = file.pace_spread.unwrap_or(PACE_SPREAD);
+    if !file.pace.unwrap_or(false) {
+        if let Some(spread) = file.pace_spread {
+            return Err(source
+                .plain(format!("free.pace_spread = {spread} without free.pace = true"))
+                .remedy(
+                    "set pace = true to let the planner choose the timing, or leave both out",
+                ));
+        }
+        return Ok(None);
+    }
+    if file.dwell_s.is_some() {
+        return Err(source
+            .plain("free.pace and free.dwell_s are both given")
+            .remedy("let the planner choose either the pace or a rest on the way, not both"));
+    }
+    if spread > 0.0 && spread <= 3.0 {
+        return Ok(Some(spread));
+    }
+    Err(source
+        .plain(format!("free.pace_spread = {spread} is not within 0 to 3"))
+        .remedy("1 is usual: parts of the path take up to some three times as long, or as short"))
 }
 
 fn push_half(

@@ -1,0 +1,208 @@
+//! The scores of the repetitions of one body along a path, for ranking and report alike.
+//!
+//! ```text
+//! s_r(t)                                   official score of repetition r, whole numbers
+//! time mean    S_r = mean over t           counts a slow part of the path more than a quick one
+//! per metre    M_r = sum s_r ds / sum ds   ds: hand travel; the same whatever the timing
+//! peak         P_r = 95th percentile over t
+//! ```
+
+use super::evaluate::Walks;
+use super::result::{MethodScores, PartScore};
+use crate::ergonomics::{
+    P_AT_LEAST_S, PerMethod, RebaSteps, RulaSteps, ScoringMethod, exposure_by_rollout,
+    score_distribution, time_means,
+};
+use crate::math::Pose;
+use crate::math::stats::{mean, quantile};
+use crate::survey::{Lens, PostureAngles};
+use rayon::prelude::*;
+
+/// Quantile over time that counts as a repetition's peak.
+const PEAK: f64 = 0.95;
+/// Share of hand travel of a sample below which a path has no length to speak of, m.
+const SHORTEST_M: f64 = 1e-6;
+/// Length by which a rotation of the hand counts as travel, m/rad.
+const ROTATION_LENGTH_M: f64 = 0.3;
+
+/// Figures by one method, one entry for each repetition.
+#[derive(Debug, Clone, Default)]
+pub struct MethodFigures {
+    /// Mean over time.
+    pub time_mean: Vec<f64>,
+    /// Mean over hand travel.
+    pub per_metre: Vec<f64>,
+    /// 95th percentile over time.
+    pub peak: Vec<f64>,
+    /// Share of time at action level 3 or above.
+    pub high: Vec<f64>,
+    /// 1 where action level 3 or above lasts for at least half a second in total.
+    pub lasts_high: Vec<f64>,
+}
+
+impl MethodFigures {
+    /// Appends further repetitions.
+    pub(super) fn extend(&mut self, more: Self) {
+        self.time_mean.extend(more.time_mean);
+        self.per_metre.extend(more.per_metre);
+        self.peak.extend(more.peak);
+        self.high.extend(more.high);
+        self.lasts_high.extend(more.lasts_high);
+    }
+}
+
+/// Each sample's share of the hand travel of a path of grip poses (sums to 1): half of the way before
+/// it and half of that after it. Of a hand that does not move, alike for all.
+pub(super) fn travel_shares(hand: &[Pose]) -> Vec<f64> {
+    let step = |w: &[Pose]| {
+        let moved = (w[1].translation.vector - w[0].translation.vector).norm();
+        moved.hypot(ROTATION_LENGTH_M * w[0].rotation.angle_to(&w[1].rotation))
+    };
+    let steps: Vec<f64> = hand.windows(2).map(step).collect();
+    let whole: f64 = steps.iter().sum();
+    if whole < SHORTEST_M {
+        return vec![1.0 / hand.len() as f64; hand.len()];
+    }
+    let at = |k: usize| steps.get(k).copied().unwrap_or(0.0);
+    (0..hand.len()).map(|k| 0.5 * (if k > 0 { at(k - 1) } else { 0.0 } + at(k)) / whole).collect()
+}
+
+/// Scores of every repetition at every sample; the worst there is once the reach is exceeded.
+pub(super) struct Scored<'a> {
+    by_method: PerMethod<Vec<Vec<u8>>>,
+    dt: f64,
+    travel: &'a [f64],
+}
+
+impl<'a> Scored<'a> {
+    pub(super) fn of(walks: &'a Walks, lens: &Lens) -> Self {
+        Self::from_sheets(walks, &Sheets::of(walks, |a| a.score(lens)))
+    }
+
+    pub(super) fn from_sheets(walks: &'a Walks, sheets: &Sheets) -> Self {
+        let by_method = PerMethod::of(|m| sheets.totals(m));
+        Self { by_method, dt: walks.dt, travel: &walks.travel }
+    }
+
+    /// By one method.
+    pub(super) fn figures(&self, method: ScoringMethod) -> MethodFigures {
+        let scores = &self.by_method[method];
+        let along = |s: &Vec<u8>| s.iter().zip(self.travel).map(|(s, w)| f64::from(*s) * w).sum();
+        let peak = |s: &Vec<u8>| {
+            let s: Vec<f64> = s.iter().map(|s| f64::from(*s)).collect();
+            quantile(&s, PEAK)
+        };
+        let lasts = |s: &Vec<u8>| {
+            let high = s.iter().filter(|s| **s >= method.high()).count();
+            let lasts = high > 0 && high as f64 * self.dt >= P_AT_LEAST_S - 1e-9;
+            f64::from(u8::from(lasts))
+        };
+        MethodFigures {
+            time_mean: time_means(scores),
+            per_metre: scores.iter().map(along).collect(),
+            peak: scores.iter().map(peak).collect(),
+            high: exposure_by_rollout(scores, method.high()),
+            lasts_high: scores.iter().map(lasts).collect(),
+        }
+    }
+
+    /// For the report; `None` without repetitions.
+    pub(super) fn report(
+        &self,
+        method: ScoringMethod,
+        parts: Vec<PartScore>,
+    ) -> Option<MethodScores> {
+        let scores = &self.by_method[method];
+        let distribution = score_distribution(scores, self.dt, method.worst(), P_AT_LEAST_S)?;
+        let figures = self.figures(method);
+        let band = |v: &[f64]| [mean(v), quantile(v, 0.05), quantile(v, 0.95)];
+        Some(MethodScores {
+            levels: method.levels(&distribution),
+            distribution,
+            high_band: band(&figures.high),
+            per_metre: mean(&figures.per_metre),
+            peak: quantile(&figures.peak, 0.5),
+            by_rollout: figures.time_mean,
+            per_metre_by_rollout: figures.per_metre,
+            peak_by_rollout: figures.peak,
+            parts,
+        })
+    }
+}
+
+/// Both sheets of every repetition and frame; nothing once the reach is exceeded.
+pub(super) struct Sheets(Vec<Vec<Option<(RulaSteps, RebaSteps)>>>);
+
+impl Sheets {
+    pub(super) fn of(
+        walks: &Walks,
+        score: impl Fn(&PostureAngles) -> (RulaSteps, RebaSteps) + Sync,
+    ) -> Self {
+        let one = |w: &super::evaluate::Walk| {
+            let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+            let scored = |(k, a): (usize, &PostureAngles)| (k < end).then(|| score(a));
+            w.angles.iter().enumerate().map(scored).collect()
+        };
+        Self(walks.all.par_iter().map(one).collect())
+    }
+
+    fn each<T>(&self, of: impl Fn(Option<&(RulaSteps, RebaSteps)>) -> T) -> Vec<Vec<T>> {
+        self.0.iter().map(|r| r.iter().map(|s| of(s.as_ref())).collect()).collect()
+    }
+
+    fn totals(&self, method: ScoringMethod) -> Vec<Vec<u8>> {
+        match method {
+            ScoringMethod::Rula => self.each(|s| s.map_or(method.worst(), |(rula, _)| rula.grand)),
+            ScoringMethod::Reba => self.each(|s| s.map_or(method.worst(), |(_, reba)| reba.total)),
+        }
+    }
+
+    pub(super) fn rula_steps(&self) -> Vec<Vec<Option<RulaSteps>>> {
+        self.each(|s| s.map(|(rula, _)| *rula))
+    }
+
+    pub(super) fn reba_steps(&self) -> Vec<Vec<Option<RebaSteps>>> {
+        self.each(|s| s.map(|(_, reba)| *reba))
+    }
+
+    /// Means over repetitions and time.
+    pub(super) fn expected(&self) -> PerMethod<f64> {
+        PerMethod::of(|m| mean(&time_means(&self.totals(m))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_over_travel_does_not_know_the_timing() {
+        let at = |x: f64| Pose::translation(x, 0.0, 0.0);
+        // The same way, lingering at the end of it.
+        let even: Vec<Pose> = (0..=100).map(|k| at(f64::from(k) / 100.0)).collect();
+        let late: Vec<Pose> = (0..=100).map(|k| at((f64::from(k) / 50.0).min(1.0))).collect();
+        for (poses, resting) in [(even, 1), (late, 51)] {
+            let scores: Vec<u8> =
+                poses.iter().map(|p| if p.translation.x < 0.5 { 2 } else { 6 }).collect();
+            let scored = Scored {
+                by_method: PerMethod::of(|_| vec![scores.clone()]),
+                dt: 0.04,
+                travel: &travel_shares(&poses),
+            };
+            let figures = scored.figures(ScoringMethod::Rula);
+            assert!((figures.per_metre[0] - 4.0).abs() < 0.05, "{}", figures.per_metre[0]);
+            let slow = figures.time_mean[0] > 4.5;
+            assert_eq!(slow, resting > 1, "{}", figures.time_mean[0]);
+            assert_eq!((figures.peak[0], figures.lasts_high[0]), (6.0, 1.0));
+        }
+    }
+
+    #[test]
+    fn a_hand_that_only_turns_travels_too() {
+        let turned = |a: f64| Pose::rotation(crate::math::Vec3::z() * a);
+        let shares = travel_shares(&[turned(0.0), turned(0.1), turned(0.4)]);
+        assert!((shares[0] - 0.125).abs() < 1e-12 && (shares[2] - 0.375).abs() < 1e-12);
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert_eq!(travel_shares(&[turned(0.0); 4]), [0.25; 4]);
+    }
+}

@@ -1,0 +1,117 @@
+//! Inputs of the scores, changes of the cell and postures to look at.
+
+use crate::human::Side;
+use crate::planner::{Alternative, CellChange, MomentKind, ScoreInput, Way};
+use crate::scenario::{Origin, OtherArm};
+use crate::survey::NeckRule;
+
+/// How the head is held.
+fn neck(rule: NeckRule) -> &'static str {
+    match rule {
+        NeckRule::Neutral => "the head in line with the trunk",
+        NeckRule::Gaze => "the head turned to the hand",
+    }
+}
+
+/// REBA's classes of coupling.
+fn coupling(class: u8) -> &'static str {
+    ["good", "fair", "poor", "unacceptable"][usize::from(class.min(3))]
+}
+
+/// Name and value of an input.
+pub fn input(i: &ScoreInput) -> (&'static str, String) {
+    let (name, value) = match i {
+        ScoreInput::ArmAndTrunk(Side::Right) => {
+            ("right arm, shoulder girdle, trunk", "posture model")
+        }
+        ScoreInput::ArmAndTrunk(Side::Left) => {
+            ("left arm, shoulder girdle, trunk", "posture model")
+        }
+        ScoreInput::OtherArm(OtherArm::Unknown) => ("other arm", "not scored"),
+        ScoreInput::OtherArm(OtherArm::Hanging) => ("other arm", "hanging"),
+        ScoreInput::Neck(rule) => ("neck", neck(*rule)),
+        ScoreInput::Seated(true) => ("legs", "seated, feet supported"),
+        ScoreInput::Seated(false) => ("legs", "standing on both, knees straight"),
+        ScoreInput::ArmSupported(true) => ("arm support", "supported"),
+        ScoreInput::ArmSupported(false) => ("arm support", "none"),
+        ScoreInput::Load([load, part, share, extra]) => {
+            let value = format!("{load:.2} kg (part {part} kg x share {share}, plus {extra} kg)");
+            return ("load", value);
+        }
+        ScoreInput::LoadShare(share) => return ("worker's share of the load", share.to_string()),
+        ScoreInput::MuscleUse(true) => ("muscle use", "repeated or static"),
+        ScoreInput::MuscleUse(false) => ("muscle use", "neither repeated nor static"),
+        ScoreInput::Coupling(class) => ("coupling (REBA)", coupling(*class)),
+        ScoreInput::Shock(true) => ("shock", "yes"),
+        ScoreInput::Shock(false) => ("shock", "none"),
+    };
+    (name, value.to_owned())
+}
+
+/// Another value of an input.
+pub fn alternative(a: &Alternative) -> String {
+    match a {
+        Alternative::Neck(rule) => neck(*rule).to_owned(),
+        Alternative::OneLeg => "the weight on one leg".to_owned(),
+        Alternative::Load(kg) => format!("{kg} kg"),
+        Alternative::Repeated => "repeated more than 4 times a minute".to_owned(),
+        Alternative::Coupling(class) => coupling(*class).to_owned(),
+    }
+}
+
+/// Where an input comes from.
+pub fn origin(origin: Origin) -> &'static str {
+    match origin {
+        Origin::Measured => "measured",
+        Origin::Predicted => "predicted by the posture model",
+        Origin::FromTheTask => "from the task",
+        Origin::Assumed => "assumed",
+        Origin::Unknown => "unknown, not scored",
+    }
+}
+
+/// A change of the cell, as an instruction.
+pub fn cell_change(c: &CellChange) -> String {
+    match c {
+        CellChange::MoveWorker { way, by_m, seated } => {
+            let place = if *seated { "seat the worker" } else { "let the worker stand" };
+            let way = match way {
+                Way::Nearer => "closer to the task (forwards)",
+                Way::Farther => "farther back",
+                Way::Left => "farther to the left",
+                Way::Right => "farther to the right",
+            };
+            format!("{place} {:.0} cm {way}", 100.0 * by_m)
+        }
+        CellChange::RaiseWorker { by_m, seated } => {
+            let cm = 100.0 * by_m.abs();
+            match (seated, *by_m > 0.0) {
+                (false, true) => {
+                    format!("raise the worker by {cm:.0} cm (platform), or lower the cell")
+                }
+                (false, false) => format!("raise the cell by {cm:.0} cm"),
+                (true, true) => format!("raise the seat by {cm:.0} cm"),
+                (true, false) => format!("lower the seat by {cm:.0} cm"),
+            }
+        }
+        CellChange::TurnWorker(by) => {
+            let side = if *by > 0.0 { "left" } else { "right" };
+            format!("turn the worker by {:.0} deg to the {side}", by.to_degrees().abs())
+        }
+        CellChange::TurnHandle(by) => {
+            format!("turn the handle on the tool by {:+.0} deg about its bar", by.to_degrees())
+        }
+        CellChange::HalveLoad(kg) => {
+            format!("let the robot carry half of the load ({kg:.1} kg now)")
+        }
+    }
+}
+
+/// What a posture to look at shows.
+pub fn moment(kind: MomentKind) -> &'static str {
+    match kind {
+        MomentKind::TypicalAtHardest => "typical posture at the hardest moment",
+        MomentKind::HeldLongest => "posture that a typical repetition holds longest",
+        MomentKind::Hardest => "hardest posture of all repetitions",
+    }
+}
