@@ -29,9 +29,9 @@ mod pipeline;
 mod prepare;
 mod preset;
 mod recommend;
+mod refusal;
 mod result;
 mod resume;
-mod robot_words;
 mod scene;
 mod search;
 mod searches;
@@ -44,6 +44,7 @@ pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_s
 pub use objective::Figures;
 pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
 pub use preset::{Objective, Preset, load_preset, planner_schema, preset_names};
+pub use refusal::{Hint, Refusal, RefusalKind, RefusedBy, RefusedGroup};
 pub use result::*;
 pub use resume::Checkpoint;
 pub use scene::*;

@@ -1,8 +1,11 @@
 //! What `plan` and `assess` show on the terminal: the verdict in two lines, the ranking with bars, what
 //! to mind, and how far to trust it.
 
-use super::bars::{bad_share, bold, percent, table};
+use super::bars::{bad_share, bold, table};
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult, Status};
+use crate::robot::ObstacleClearance;
+use crate::words;
+use crate::words::number::percent;
 use comfy_table::{Cell, CellAlignment};
 
 /// Share from which something is told that makes the figures doubtful.
@@ -44,7 +47,7 @@ fn print_verdict(result: &RunResult, best: Option<&CandidateResult>) {
     if let Some(body) = best.and_then(worst) {
         say!("{}", second_line(result, body));
     } else {
-        for line in &result.verdict.lines {
+        for line in words::verdict::lines(result) {
             say!("  {line}");
         }
     }
@@ -142,11 +145,7 @@ fn row(
 ) -> Vec<Cell> {
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     let once = |text: String| Cell::new(if is_first { text } else { String::new() });
-    let limits = match &c.status {
-        Status::Feasible => "kept",
-        Status::Marked { .. } => "over a limit",
-        Status::Infeasible { .. } => "not feasible",
-    };
+    let limits = words::refusal::state(&c.status);
     let share = b.rula.exposure.get(5).copied().unwrap_or(0.0);
     let mut cells =
         vec![once(c.rank.map_or_else(String::new, |r| r.to_string())), once(c.id.clone())];
@@ -209,7 +208,7 @@ fn to_mind(result: &RunResult, best: Option<&CandidateResult>) -> Vec<String> {
     }
     for c in &result.candidates {
         if let Status::Marked { violations } = &c.status {
-            mind.push(format!("`{}` breaks limits: {}", c.id, violations.join("; ")));
+            mind.push(format!("`{}` breaks limits: {}", c.id, words::refusal::all(violations)));
         }
     }
     mind
@@ -246,7 +245,10 @@ fn print_certificates(result: &RunResult, best: Option<&CandidateResult>) {
             "  limits         {} checks on a grid ten times finer than the path's: {kept}",
             path.checks.len()
         );
-        say!("  robot          {}", path.self_clearance);
+        say!("  robot          {}", words::robot::self_clearance(&path.self_clearance));
+        if let not_checked @ ObstacleClearance::NotChecked { .. } = &path.clearance {
+            say!("  obstacles      {}", words::robot::obstacle_clearance(not_checked));
+        }
     }
     for b in &best.bodies {
         if let Some(near) = &b.person_clearance {
@@ -257,14 +259,14 @@ fn print_certificates(result: &RunResult, best: Option<&CandidateResult>) {
             );
         }
         say!(
-            "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {:.0} %; \
-             beyond the training data {:.0} % of the path; standard error of RULA {:.3}",
+            "  hand on path   {}: at most {:.2} mm (rms {:.3} mm) and {:.2} deg off; out of reach {}; \
+             beyond the training data {} of the path; standard error of RULA {:.3}",
             b.body,
             b.hand_residual_max_mm,
             b.hand_residual_rms_mm,
             b.hand_residual_max_deg,
-            100.0 * b.reach_exceeded,
-            100.0 * b.extrapolation_share,
+            percent(b.reach_exceeded),
+            percent(b.extrapolation_share),
             b.rula.standard_error.unwrap_or(f64::NAN)
         );
     }

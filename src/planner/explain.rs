@@ -122,7 +122,8 @@ pub(super) fn verdict(
             body.reba.expected + change.reba,
         ));
     }
-    Verdict { headline, lines, best: Some(best.id.clone()), changes: Vec::new(), caveat }
+    let (changes, refused, hints) = (Vec::new(), Vec::new(), Vec::new());
+    Verdict { headline, lines, best: Some(best.id.clone()), changes, refused, hints, caveat }
 }
 
 fn is_users(scenario: &Scenario, id: &str) -> bool {
@@ -310,11 +311,6 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
         StartRule::Mean => "start posture: the person's mean, moved on to the start pose",
         StartRule::Given(_) => "start posture as given, moved on to the start pose",
     };
-    let robot = &scenario.robot;
-    let mut robot_lines = vec![robot.name.clone()];
-    robot_lines.extend(robot.assumed().into_iter().map(|a| format!("assumed: {a}")));
-    robot_lines.extend(robot.notes.iter().cloned());
-    robot_lines.push(robot.self_collision_note());
     Setting {
         name: scenario.name.clone(),
         description: scenario.description.clone(),
@@ -342,7 +338,7 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
              times as deep as broad, the other arm hanging"
                 .to_owned(),
         ],
-        robot: robot_lines,
+        robot: scenario.robot.facts(),
         assumed_limits: scenario.assumed_limits.clone(),
         task: scenario.task.clone(),
         duration_s: scenario.duration_s,

@@ -3,6 +3,7 @@
 //! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
 
 use super::preset::Preset;
+use super::refusal::{Hint, Refusal, RefusedGroup};
 use super::scene::Scene;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, ScoreDistribution, ThresholdSensitivity,
@@ -10,14 +11,16 @@ use crate::ergonomics::{
 use crate::files::null_as_nan;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
-use crate::robot::{JointMargin, JointTrajectory};
+use crate::robot::{
+    JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
+};
 use crate::scenario::{Origin, Task};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Schema id and version of `result.json`.
-pub const RESULT_SCHEMA: &str = "ergopath/result/1";
+pub const RESULT_SCHEMA: &str = "ergopath/result/2";
 
 /// A finished run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -130,6 +133,12 @@ pub struct Verdict {
     /// Where no path is feasible: the smallest change of each kind that would help, alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
+    /// Where no path is feasible: the refusals by kind, the most frequent first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<RefusedGroup>,
+    /// Where no path is feasible: what may help, and what the reader should know.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hints: Vec<Hint>,
     /// "demonstration model, not your workers", when that applies.
     pub caveat: Option<String>,
 }
@@ -166,22 +175,20 @@ pub struct CandidateResult {
 }
 
 /// Whether a path can be used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Status {
     /// All limits are kept.
     Feasible,
     /// The user's own path breaks a limit; it is scored all the same.
     Marked {
-        /// One sentence for each limit.
-        violations: Vec<String>,
+        /// One for each limit.
+        violations: Vec<Refusal>,
     },
     /// It cannot be used.
     Infeasible {
-        /// "path", "robot", "obstacle", "worker" (out of reach) or "person" (too near).
-        stage: String,
-        /// Why, in one sentence.
-        reason: String,
+        /// Why.
+        refusal: Refusal,
     },
 }
 
@@ -323,17 +330,17 @@ pub struct PathData {
     pub robot_q: Vec<Vec<f64>>,
     /// Limits of the TCP with value and margin.
     pub checks: Vec<Check>,
-    /// The robot's closest approaches to its limits, in words.
-    pub robot_checks: Vec<String>,
+    /// The robot's closest approaches to its limits; none when it cannot follow.
+    pub robot_margins: Option<RobotMargins>,
     /// Margins of the robot's joints between the points of the exported trajectory.
     pub joint_margins: Vec<JointMargin>,
     /// The robot's motion for its controller; written to files of its own.
     #[serde(skip)]
     pub joint_trajectory: Option<JointTrajectory>,
-    /// Smallest clearance to an obstacle, m, with what meets what.
-    pub clearance: Option<(f64, String)>,
-    /// Smallest distance of the arm to itself in words, or why it was not checked.
-    pub self_clearance: String,
+    /// Smallest clearance to an obstacle, or why it was not checked.
+    pub clearance: ObstacleClearance,
+    /// Smallest distance of the arm to itself, or why it was not checked.
+    pub self_clearance: SelfClearance,
     /// How far the QP moved the path, m.
     pub moved_m: f64,
 }
@@ -402,7 +409,7 @@ pub struct Setting {
     /// Side, stance, place, hold.
     pub worker: Vec<String>,
     /// Robot and what is assumed of it.
-    pub robot: Vec<String>,
+    pub robot: RobotFacts,
     /// Limits that are defaults.
     pub assumed_limits: Vec<String>,
     /// The task.

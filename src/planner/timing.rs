@@ -49,6 +49,7 @@ pub(super) fn lingering(path: &PathData) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::{NotChecked, ObstacleClearance, SelfClearance};
 
     fn along(x: impl Fn(f64) -> f64) -> PathData {
         let time_s: Vec<f64> = (0..=100).map(|k| f64::from(k) / 25.0).collect();
@@ -59,11 +60,11 @@ mod tests {
             robot_joints: Vec::new(),
             robot_q: Vec::new(),
             checks: Vec::new(),
-            robot_checks: Vec::new(),
+            robot_margins: None,
             joint_margins: Vec::new(),
             joint_trajectory: None,
-            clearance: None,
-            self_clearance: String::new(),
+            clearance: ObstacleClearance::NoObstacle,
+            self_clearance: SelfClearance::NotChecked { why: NotChecked::NoMotion },
             moved_m: 0.0,
         }
     }

@@ -6,10 +6,12 @@ use super::page_evidence as evidence;
 use super::page_scene as scene;
 use super::page_scores as scores;
 use super::style::{RULA_LEVELS, css};
-use super::view::{View, change, percent, score};
+use super::view::View;
 use crate::ergonomics::{P_AT_LEAST_S, rula_action_level, rula_action_words};
 use crate::planner::BodyScores;
 use crate::scenario::Origin;
+use crate::words;
+use crate::words::number::{change, percent, score};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -161,7 +163,7 @@ fn verdict(view: &View) -> Markup {
         @if let (true, Some(body)) = (best, view.lead.and_then(|l| view.scores(l))) {
             (keys(view, body))
         }
-        (list(&result.verdict.lines))
+        (list(&words::verdict::lines(result)))
         (heaviest(view))
         @if let Some(body) = view.lead.and_then(|l| view.scores(l)) { (doubts(body)) }
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }

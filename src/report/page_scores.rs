@@ -1,9 +1,11 @@
 //! Sections of the page that hold scores as tables: paths compared, body parts, body sizes.
 
 use super::page::ticked;
-use super::view::{View, change, family_words, percent, score, state_words, worst_body};
+use super::view::{View, family_words, worst_body};
 use crate::ergonomics::P_AT_LEAST_S;
 use crate::planner::{BodyScores, CandidateResult, Status};
+use crate::words::number::{change, percent, score};
+use crate::words::refusal;
 use maud::{Markup, html};
 
 /// The table of paths.
@@ -80,9 +82,9 @@ fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
             td.n { @if leads { "–" } @else { (difference(view, c)) } }
             td.n { (percent(b.reach_exceeded)) }
             td {
-                (state_words(&c.status))
+                (refusal::state(&c.status))
                 @if let Status::Marked { violations } = &c.status {
-                    @for v in violations { span.small { (ticked(v)) } }
+                    @for v in violations { span.small { (ticked(&refusal::refusal(v))) } }
                 }
             }
         }

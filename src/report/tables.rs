@@ -4,6 +4,7 @@ use super::ReportError;
 use super::view::worst_body;
 use crate::path::Family;
 use crate::planner::{CandidateResult, Evaluated, PathData, RolloutTable, RunResult, Status};
+use crate::words::refusal::reason;
 
 const COLUMNS: [&str; 15] = [
     "rank",
@@ -37,10 +38,10 @@ fn row(c: &CandidateResult) -> [String; 15] {
     let body = worst_body(c);
     let number =
         |v: Option<f64>| v.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string());
-    let (state, reason) = match &c.status {
-        Status::Feasible => ("feasible", String::new()),
-        Status::Marked { violations } => ("marked", violations.join("; ")),
-        Status::Infeasible { stage, reason } => ("infeasible", format!("{stage}: {reason}")),
+    let state = match &c.status {
+        Status::Feasible => "feasible",
+        Status::Marked { .. } => "marked",
+        Status::Infeasible { .. } => "infeasible",
     };
     let evaluated = match c.evaluated {
         Evaluated::None => "none",
@@ -62,7 +63,7 @@ fn row(c: &CandidateResult) -> [String; 15] {
         number(body.and_then(|b| b.rula.standard_error)),
         number(body.map(|b| b.rula.p05)),
         number(body.map(|b| b.rula.p95)),
-        reason,
+        reason(&c.status, &c.changes),
     ]
 }
 

@@ -1,0 +1,20 @@
+//! Facts in plain English, for terminal, page and tables alike.
+//!
+//! Lower floors produce typed values; whoever shows them takes the words from here, so that the same
+//! fact reads the same everywhere. Nothing here decides anything.
+
+pub mod number;
+pub mod path;
+pub mod refusal;
+pub mod robot;
+pub mod verdict;
+
+use crate::path::End;
+
+/// "start" or "goal".
+pub fn end(end: End) -> &'static str {
+    match end {
+        End::Start => "start",
+        End::Goal => "goal",
+    }
+}
