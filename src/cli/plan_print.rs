@@ -3,7 +3,7 @@
 
 use super::bars::{bad_share, bold, table};
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult, Status};
-use crate::robot::ObstacleClearance;
+use crate::robot::{NotChecked, ObstacleClearance};
 use crate::words;
 use crate::words::number::percent;
 use comfy_table::{Cell, CellAlignment};
@@ -250,9 +250,13 @@ fn print_certificates(result: &RunResult, best: Option<&CandidateResult>) {
             say!("  obstacles      {}", words::robot::obstacle_clearance(not_checked));
         }
     }
+    if best.bodies.iter().all(|b| b.person_clearance.is_none()) {
+        let why = result.setting.robot.not_checked.unwrap_or(NotChecked::NoMotion);
+        say!("  to the person  not checked: {}", words::robot::not_checked(why));
+    }
     for b in &best.bodies {
         if let Some(near) = &b.person_clearance {
-            let sentence = near.sentence();
+            let sentence = words::robot::person_clearance(near);
             say!(
                 "  to the person  {}: {sentence} (a planning margin, not a safety function)",
                 b.body

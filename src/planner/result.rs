@@ -280,23 +280,6 @@ impl PersonClearance {
     pub fn is_kept(&self) -> bool {
         self.share_below <= self.share_allowed
     }
-
-    /// All of it in one sentence.
-    pub fn sentence(&self) -> String {
-        format!(
-            "nearest {:.0} mm (link `{}` and the {} at {:.2} s), 5th percentile {:.0} mm; {:.1} % of {} \
-             repetitions nearer than {:.0} mm, {:.1} % allowed",
-            1e3 * self.min_m,
-            self.link,
-            self.body_part,
-            self.time_s,
-            1e3 * self.p05_m,
-            100.0 * self.share_below,
-            self.repetitions,
-            1e3 * self.margin_m,
-            100.0 * self.share_allowed
-        )
-    }
 }
 
 /// One body part's share in the score.

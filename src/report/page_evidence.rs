@@ -8,6 +8,7 @@ use crate::path::Check;
 use crate::planner::{
     BodyScores, CandidateResult, InputOrigin, PathData, PersonClearance, Refusal, Status,
 };
+use crate::robot::{NotChecked, RobotFacts};
 use crate::scenario::Origin;
 use crate::words;
 use crate::words::number::{change, percent, score, value};
@@ -94,12 +95,13 @@ pub(super) fn verification(view: &View) -> Markup {
         }
         (another_seed(view))
         (thresholds(view))
-        (near_people(lead))
+        (near_people(lead, &view.result.setting.robot))
     }
 }
 
 /// How near the robot comes to each body.
-fn near_people(lead: &CandidateResult) -> Markup {
+fn near_people(lead: &CandidateResult, robot: &RobotFacts) -> Markup {
+    let why = robot.not_checked.unwrap_or(NotChecked::NoMotion);
     let found: Vec<(&str, &PersonClearance)> = lead
         .bodies
         .iter()
@@ -108,7 +110,7 @@ fn near_people(lead: &CandidateResult) -> Markup {
     html! {
         h3 { "Distance between robot and person" }
         @if found.is_empty() {
-            p { "Not checked: the robot has no collision shapes, or does not follow the path." }
+            p { "Not checked: " (words::robot::not_checked(why)) "." }
         } @else {
             p.note {
                 "Least distance of each repetition over time, between capsules around the robot's links and the person's body parts. \

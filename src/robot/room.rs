@@ -99,6 +99,8 @@ pub struct RobotFacts {
     pub notes: Vec<RobotNote>,
     /// What of its collision with itself is checked.
     pub self_check: SelfCheck,
+    /// Why distances from its links to obstacles and people cannot be checked; none where they can.
+    pub not_checked: Option<NotChecked>,
 }
 
 impl RobotMotion {
@@ -179,6 +181,7 @@ impl Robot {
             assumed: self.assumed(),
             notes: self.notes.clone(),
             self_check: self.self_check(),
+            not_checked: self.not_checked(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::number::percent;
 use super::path::joint_limit;
+use crate::planner::PersonClearance;
 use crate::robot::{
     Assumed, AtLimit, JointMargin, LimitKind, NoMotion, NotChecked, ObstacleClearance, RobotFacts,
     RobotMargins, RobotNote, SelfCheck, SelfClearance, Violation,
@@ -162,6 +163,23 @@ pub fn obstacle_clearance(found: &ObstacleClearance) -> String {
             format!("clearance of the arm to obstacles: not checked: {}", not_checked(*why))
         }
     }
+}
+
+/// How near the robot comes to a person.
+pub fn person_clearance(near: &PersonClearance) -> String {
+    format!(
+        "nearest {:.0} mm (link `{}` and the {} at {:.2} s), 5th percentile {:.0} mm; {} of {} \
+         repetitions nearer than {:.0} mm, {} allowed",
+        1e3 * near.min_m,
+        near.link,
+        near.body_part,
+        near.time_s,
+        1e3 * near.p05_m,
+        percent(near.share_below),
+        near.repetitions,
+        1e3 * near.margin_m,
+        percent(near.share_allowed)
+    )
 }
 
 /// What of the arm's collision with itself is checked.
