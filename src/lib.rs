@@ -21,6 +21,7 @@
 //!         ─ posture::roll_out                  ─► Rollout            (sampled postures over time)
 //!         ─ survey (human), ergonomics         ─► BodyScores         (RULA, REBA as distributions)
 //!         ─ planner                            ─► RunResult          (ranked, compared, explained)
+//!         ─ words                              ─► the same facts in plain English
 //!         ─ report                             ─► result.json, CSV, PNG, report.html
 //!
 //! score:  worksheets, recording or rollouts ─ scoring (survey, ergonomics) ─► sheets and sums

@@ -16,6 +16,7 @@ mod limits;
 mod nearest;
 mod pace;
 mod project;
+mod refusal;
 mod remedy;
 mod scene;
 mod smooth;
@@ -29,12 +30,11 @@ pub use arm::{Arm, Followed, project_for_arm};
 pub use candidate::{
     Candidate, CandidateSettings, Family, ViaSpace, candidates, drawn, reference_path,
 };
-pub use change::{Change, or_list};
-pub use limits::{Box3, PathLimits};
+pub use change::{Change, Mover};
+pub use limits::{Box3, Face, PathLimits};
 pub use pace::Pace;
-pub use project::{
-    Cause, Projection, ProjectionSettings, project, project_within, shortest_duration_s,
-};
+pub use project::{Projection, ProjectionSettings, project, project_within, shortest_duration_s};
+pub use refusal::{Cause, End, InputFault, LimitName, NoAnswer, NoPath};
 pub use remedy::smallest_changes;
 pub use scene::{Condition, Order, Reach, Scene};
 pub use smooth::SmoothPath;

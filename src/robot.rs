@@ -23,7 +23,9 @@ mod grade;
 mod ik;
 mod joint_trajectory;
 mod preset;
+mod refusal;
 mod resolve;
+mod room;
 mod track;
 
 pub use between::{Between, between};
@@ -36,10 +38,12 @@ pub use check::{
 };
 pub use clearance::Obstacle;
 pub use collide::{SelfNearest, measure_room, self_clearance};
-pub use description::{Brake, Limits, Robot};
+pub use description::{Assumed, Brake, Limits, Robot, RobotNote};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
 pub use joint_trajectory::{
     Duration, Header, JointMargin, JointTrajectory, Point, TrajectoryFault,
 };
 pub use preset::PRESETS;
+pub use refusal::{AtLimit, NoMotion};
+pub use room::{NotChecked, ObstacleClearance, RobotFacts, RobotMargins, SelfCheck, SelfClearance};
 pub use track::trace;

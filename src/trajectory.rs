@@ -7,7 +7,7 @@
 use crate::math::Pose;
 use crate::math::Vec6;
 use crate::math::pose::{interpolate, pose_error};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Largest `ds/dtau` of the minimum-jerk law, reached at `tau = 1/2`.
@@ -16,7 +16,8 @@ pub const MINIMUM_JERK_PEAK_SPEED: f64 = 1.875;
 pub const MINIMUM_JERK_PEAK_ACCELERATION: f64 = 5.773_502_691_896_258;
 
 /// Why a list of samples is no path.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TrajectoryError {
     /// Fewer than two samples, or unequal numbers of times and poses.
     #[error("a path needs at least two samples, each with a time and a pose ({times} and {poses})")]

@@ -6,5 +6,19 @@
 pub mod cell;
 pub mod finding;
 pub mod number;
+pub mod path;
 pub mod paths;
+pub mod refusal;
+pub mod refused;
+pub mod robot;
 pub mod verdict;
+
+use crate::path::End;
+
+/// "start" or "goal".
+pub fn end(end: End) -> &'static str {
+    match end {
+        End::Start => "start",
+        End::Goal => "goal",
+    }
+}

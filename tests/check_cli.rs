@@ -66,7 +66,7 @@ fn what_is_broken_or_unknown_is_refused() {
     };
     refused("a.txt", "hello", "is no kind of file");
     refused("a.toml", "x = 1\n", "has no schema");
-    refused("a.json", "{\"schema\": \"ergopath/result/1\", ", "ends in the middle");
+    refused("a.json", "{\"schema\": \"ergopath/result/2\", ", "ends in the middle");
     refused("b.json", "{\"schema\": \"other/1\"}", "does not know");
     refused("a.csv", "colour,size\nred,1\n", "does not know: colour, size");
     refused("b.csv", "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,2,0,0,0\n", "norm 2.0000");

@@ -40,7 +40,7 @@ fn numbers_hang_together() {
     plan(&room, &scenario, "out").assert().success();
     let text = std::fs::read_to_string(room.path().join("out/result.json")).unwrap();
     let result: serde_json::Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(result["schema"], "ergopath/result/1");
+    assert_eq!(result["schema"], "ergopath/result/2");
     assert_eq!(result["verdict"]["caveat"], "demonstration model, not your workers");
     for candidate in result["candidates"].as_array().unwrap() {
         for body in candidate["bodies"].as_array().unwrap() {

@@ -5,7 +5,7 @@
 use ergopath::ergobench::{Family, draw};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::planner::{
-    Evaluated, Finding, PlanError, Preset, Request, RunResult, Step, load_preset, plan,
+    Evaluated, Finding, Hint, PlanError, Preset, Request, RunResult, Step, load_preset, plan,
 };
 use ergopath::report::result_json;
 use ergopath::scenario::{Scenario, read_scenario};
@@ -112,7 +112,7 @@ fn heights_for_bent_legs_are_refused_in_words() {
         std::fs::write(&file, station.scenario("male_p95", "demo_operator", 1)).unwrap();
         let result = run(&read_scenario(&file).unwrap(), &request(tiny()));
         assert!(result.verdict.best.is_none(), "{family:?}: {:?}", result.verdict.best);
-        let said = result.verdict.lines.join(" ");
-        assert!(said.contains("needs bent legs"), "{family:?}: {said}");
+        let hints = &result.verdict.hints;
+        assert!(hints.contains(&Hint::NeedsBentLegs), "{family:?}: {hints:?}");
     }
 }

@@ -86,7 +86,8 @@ fn what_is_no_result_is_refused() {
     refused(&text[..text.len() / 2], "cut off");
     refused("{\"schema\": \"ergopath/result/9\"}", "ergopath/result/9");
     refused("{}", "has no schema");
-    refused("{\"schema\": \"ergopath/result/1\"}", "not as this version of ergopath writes it");
+    refused("{\"schema\": \"ergopath/result/1\"}", "make the run again");
+    refused("{\"schema\": \"ergopath/result/2\"}", "not as this version of ergopath writes it");
     refused("[1, 2]", "is not a result");
     // A robot posture with a joint missing.
     let mut edited: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -55,11 +55,6 @@ pub(super) fn bad_share(share: f64) -> Cell {
     Cell::new(bar(share)).fg(color)
 }
 
-/// A share as percent.
-pub(super) fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

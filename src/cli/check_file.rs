@@ -10,6 +10,7 @@ use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result}
 use crate::posture::load_model;
 use crate::recording::{Recording, read};
 use crate::robot::{JointTrajectory, PRESETS, Robot};
+use crate::words::number::percent;
 use std::path::Path;
 
 const KNOWN: &str = "known are scenarios and planners (TOML), bodies and robots (URDF), posture models and results \
@@ -164,7 +165,7 @@ fn model(path: &Path) -> Result<Explained, InputError> {
     let groups: Vec<String> = model
         .weight_by_group()
         .iter()
-        .map(|(group, share)| format!("{group} {:.0} %", 100.0 * share))
+        .map(|(group, share)| format!("{group} {}", percent(*share)))
         .collect();
     explained = explained.saying(format!("who moves: {}", groups.join(", ")));
     if let Some(own) = model.quality.iter().find(|q| q.method == model.method) {

@@ -13,6 +13,8 @@ use crate::planner::{
 use crate::report::cell_figure;
 use crate::scenario::{Scenario, defaults_in_force, read_scenario};
 use crate::trajectory::TimedPath;
+use crate::words;
+use crate::words::number::percent;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::Serialize;
 use std::path::Path;
@@ -118,7 +120,9 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
     }
     explained.assumed = defaults_in_force(text);
     explained.assumed.extend(s.assumed_limits.iter().map(|l| format!("limits.{l}")));
-    explained.assumed.extend(scenario.robot.assumed().into_iter().map(|a| format!("robot: {a}")));
+    explained.assumed.extend(
+        scenario.robot.assumed().iter().map(|a| format!("robot: {}", words::robot::assumed(a))),
+    );
     explained.mind.extend(scenario.warnings.iter().cloned());
     if scenario.worker.model.provenance.simulated {
         explained
@@ -191,9 +195,9 @@ fn print_sensitivity(s: &CellSensitivity) {
         s.people
     );
     say!(
-        "  as the scenario says: RULA {:.2}, time at 3+ {:.0} %",
+        "  as the scenario says: RULA {:.2}, time at 3+ {}",
         s.nominal.expected_rula,
-        100.0 * s.nominal.exposure_rula_5
+        percent(s.nominal.exposure_rula_5)
     );
     if let Some(d) = &s.nominal.against_straight {
         let clear = if d.clear { "" } else { " (no clear difference)" };

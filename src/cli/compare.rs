@@ -1,10 +1,11 @@
 //! `ergopath compare`: finished runs side by side, with intervals that are paired where they may be.
 
-use super::bars::{bad_share, percent, table};
+use super::bars::{bad_share, table};
 use super::{Failure, Outcome};
 use crate::files::{InputError, suggest, write_whole};
 use crate::planner::{read_result, result_file};
 use crate::report::{self, ComparedRun, Comparison, NamedRun, RowState, RunDifference};
+use crate::words::number::percent;
 use comfy_table::Cell;
 use std::path::{Path, PathBuf};
 

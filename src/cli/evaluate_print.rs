@@ -2,6 +2,7 @@
 
 use super::evaluate::Problem;
 use crate::training::{Evaluation, GroupScore, MethodScore, Percentiles, RolloutScore};
+use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 
@@ -226,7 +227,6 @@ fn walks(merged: &[MethodScore]) -> Table {
         let of = |pick: fn(&RolloutScore) -> f64| {
             crate::math::stats::mean(&s.rollouts.iter().map(pick).collect::<Vec<_>>())
         };
-        let percent = |v: f64| format!("{:.0} %", 100.0 * v);
         let deg = |v: f64| format!("{v:.1} deg");
         table.add_row([
             s.method.name().to_owned(),

@@ -36,7 +36,7 @@ fn print_verdict(result: &RunResult) {
     for line in words::verdict::gain(result).into_iter().chain(words::verdict::expected(result)) {
         say!("  {line}");
     }
-    for line in &result.verdict.lines {
+    for line in words::refused::lines(result) {
         say!("  {line}");
     }
     for line in words::verdict::findings(result, Severity::Doubt) {
@@ -97,11 +97,7 @@ fn row(
 ) -> Vec<Cell> {
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     let once = |text: String| Cell::new(if is_first { text } else { String::new() });
-    let limits = match &c.status {
-        Status::Feasible => "kept",
-        Status::Marked { .. } => "over a limit",
-        Status::Infeasible { .. } => "not feasible",
-    };
+    let limits = words::refusal::state(&c.status);
     let (rula, share) = (b.rula(), b.rula().high_band[0]);
     let mut cells = vec![
         once(c.rank.map_or_else(String::new, |r| r.to_string())),
@@ -135,11 +131,12 @@ fn print_trust(result: &RunResult) {
             "  limits         {} checks on a grid ten times finer than the path's: {kept}",
             path.checks.len()
         );
-        say!("  robot          {}", path.self_clearance);
+        say!("  robot          {}", words::robot::self_clearance(&path.self_clearance));
+        say!("  obstacles      {}", words::robot::obstacle_clearance(&path.clearance));
     }
     for b in &best.bodies {
         if let Some(near) = &b.person_clearance {
-            let sentence = near.sentence();
+            let sentence = words::robot::person_clearance(near);
             say!(
                 "  to the person  {}: {sentence} (a planning margin, not a safety function)",
                 b.body

@@ -7,6 +7,7 @@ use crate::scoring::{
     DriverShare, MotionKind, OtherMethods, OverRollouts, OverTime, PartSummary, SideSummary,
     Summary, word,
 };
+use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 
 pub(super) fn print_text(s: &Summary) {
@@ -64,10 +65,6 @@ fn table(header: &[&str], right_from: usize) -> Table {
 fn indented(table: &Table) -> String {
     let text = table.trim_fmt();
     text.lines().map(|l| format!(" {l}")).collect::<Vec<_>>().join("\n")
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
 }
 
 fn print_over_time(over: &OverTime) {

@@ -11,6 +11,7 @@ use crate::training::{
     Dataset, FitReport, FitSettings, TrainSettings, Trial, data_csv, fit, held_out_curves,
     read_motion, train, weight_spread,
 };
+use crate::words::number::percent;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `train`.
@@ -191,9 +192,9 @@ fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
         .joints_at_limit
         .iter()
         .take(3)
-        .map(|(joint, share)| format!("{joint} {:.0} %", 100.0 * share))
+        .map(|(joint, share)| format!("{joint} {}", percent(*share)))
         .collect();
-    let at_limits = format!("{:.0} % of the frames", 100.0 * report.frames_at_limit_share);
+    let at_limits = format!("{} of the frames", percent(report.frames_at_limit_share));
     let offset = report.pelvis_offset_mm;
     let hint = report.stature_hint_m.map_or_else(
         || "not told by the recording".to_owned(),

@@ -3,6 +3,7 @@
 use super::train::Source;
 use crate::posture::{Method, MethodQuality, PostureModel};
 use crate::training::Dataset;
+use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -61,10 +62,9 @@ pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureM
          the held-out joint\n  angles, and how wide it is. plain-ik is the plain pseudo-inverse."
     );
     let groups = model.weight_by_group().into_iter();
-    let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {:.0} %", 100.0 * s)).collect();
+    let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {}", percent(s))).collect();
     say!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
     let noise = &model.law.noise;
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     say!(
         "noise: {} directions; {} of the variance white, {} correlated over {:.2} s, {} lasting a whole \
          movement;\n  {} of it grows with the hand speed",
@@ -114,7 +114,7 @@ fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {
             format!("{:.1}", q.log_likelihood),
             path(|p| p.0),
             path(|p| p.1),
-            q.coverage.map_or_else(|| "-".to_owned(), |c| format!("{:.0} %", 100.0 * c.1)),
+            q.coverage.map_or_else(|| "-".to_owned(), |c| percent(c.1)),
             q.band_width_deg.map_or_else(|| "-".to_owned(), |w| format!("{w:.1} deg")),
         ]);
     }

@@ -24,6 +24,7 @@ use crate::posture::{
 use crate::scenario::{Scenario, read_scenario};
 use crate::training::{Dataset, TrainSettings, Trial, learn, trial_of};
 use crate::trajectory::TimedPath;
+use crate::words::refused;
 use nalgebra::UnitQuaternion;
 use rand::RngExt as _;
 use serde::Serialize;
@@ -120,7 +121,7 @@ pub(super) fn run_cell(
     let oracle = plan_knowing(&scenario, &request, stage, &person)?;
     let paths = named_paths(&ours, &oracle);
     if ours.verdict.best.is_none() {
-        cell.failure = Some(ours.verdict.lines.join(" "));
+        cell.failure = Some(refused::lines(&ours).join(" "));
         return Ok(cell);
     }
     let timed: Vec<TimedPath> = paths.iter().map(|p| p.1.clone()).collect();

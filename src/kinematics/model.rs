@@ -84,6 +84,8 @@ pub struct Link {
     pub mass_kg: f64,
     /// Collision shapes with their poses in the link's frame. Meshes are left out.
     pub shapes: Vec<(Pose, Shape)>,
+    /// Number of collision meshes that are left out.
+    pub meshes: usize,
     /// Index of the joint whose child this link is; none for the root.
     pub parent_joint: Option<usize>,
 }

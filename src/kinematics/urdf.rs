@@ -261,6 +261,10 @@ fn convert_pose(pose: &urdf_rs::Pose) -> Pose {
     )
 }
 
+fn is_mesh(geometry: &urdf_rs::Geometry) -> bool {
+    matches!(geometry, urdf_rs::Geometry::Mesh { .. })
+}
+
 fn convert_link(link: &urdf_rs::Link) -> Link {
     let shapes = link.collision.iter().filter_map(|c| {
         let shape = match &c.geometry {
@@ -278,6 +282,7 @@ fn convert_link(link: &urdf_rs::Link) -> Link {
         name: link.name.clone(),
         mass_kg: link.inertial.mass.value,
         shapes: shapes.collect(),
+        meshes: link.collision.iter().filter(|c| is_mesh(&c.geometry)).count(),
         parent_joint: None,
     }
 }

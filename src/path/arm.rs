@@ -14,13 +14,14 @@
 
 use super::change::Change;
 use super::limits::PathLimits;
-use super::project::{Cause, Projection, ProjectionSettings, infeasible, project_within};
+use super::project::{Projection, ProjectionSettings, infeasible, project_within};
+use super::refusal::NoPath;
 use super::scene::{Condition, Order, Scene};
 use super::smooth::SmoothPath;
 use crate::math::Vec3;
 use crate::robot::{
-    Between, Follow, FollowSettings, LimitKind, Robot, RobotMotion, between, check_joint_path,
-    follow_from, joint_rates, tcp_pose, trace,
+    Between, Extreme, Follow, FollowSettings, LimitKind, NoMotion, PathError, Robot, RobotMotion,
+    between, check_joint_path, follow_from, joint_rates, tcp_pose, trace,
 };
 use crate::trajectory::TimedPath;
 use std::collections::BTreeSet;
@@ -87,7 +88,7 @@ pub fn project_for_arm(
     settings: &ProjectionSettings,
     arm: &Arm,
 ) -> Followed {
-    let mut first: Option<(SmoothPath, String)> = None;
+    let mut first: Option<(SmoothPath, NoPath)> = None;
     let mut conditions: Vec<Condition> = Vec::new();
     let mut knots = BTreeSet::new();
     for pass in 0..=PASSES {
@@ -95,32 +96,32 @@ pub fn project_for_arm(
         let projection = project_within(reference, limits, &with, settings);
         let Projection::Feasible { path, .. } = &projection else {
             return match first {
-                Some((path, reason)) => arm.refuse(path, &reason),
+                Some((path, why)) => arm.refuse(path, why),
                 None => Followed::NoPath(projection),
             };
         };
         let path = path.clone();
         // The global choice is made along the path as it was wanted, not along what is bent for the arm.
-        let reason = match arm.follow(&path, pass == 0) {
+        let why = match arm.follow(&path, pass == 0) {
             Ok((motion, between)) => {
                 let motion = Box::new(motion);
                 return Followed::Feasible { projection, motion, between, passes: pass };
             }
-            Err(reason) => reason,
+            Err(why) => why,
         };
         if pass < PASSES {
             conditions = arm.conditions(&path, pass, &mut knots);
         }
         if first.is_none() {
-            first = Some((path, reason));
+            first = Some((path, why));
         }
         if conditions.is_empty() {
             break;
         }
     }
     match first {
-        Some((path, reason)) => arm.refuse(path, &reason),
-        None => Followed::NoPath(infeasible(Cause::Robot, "nothing was tried", Vec::new())),
+        Some((path, why)) => arm.refuse(path, why),
+        None => Followed::NoPath(infeasible(NoMotion::NoStart.into(), Vec::new())),
     }
 }
 
@@ -130,8 +131,8 @@ impl Arm<'_> {
         &self,
         path: &SmoothPath,
         may_be_thorough: bool,
-    ) -> Result<(RobotMotion, Between), String> {
-        let timed = path.timed(path.steps()).map_err(|e| e.to_string())?;
+    ) -> Result<(RobotMotion, Between), NoPath> {
+        let timed = path.timed(path.steps())?;
         let is_thorough = may_be_thorough && self.settings.is_thorough;
         let with = |starts: &[Vec<f64>], is_thorough: bool| {
             let settings = FollowSettings { is_thorough, ..self.settings.clone() };
@@ -148,26 +149,23 @@ impl Arm<'_> {
         };
         let motion = match follow {
             Follow::Feasible(motion) => motion,
-            Follow::Infeasible { reason, .. } => return Err(reason),
+            Follow::Infeasible { why } => return Err(why.into()),
         };
         let found = between(self.robot, &timed.time_s, &motion.q, FINER, |t| path.pose_at(t));
-        let Some(found) = found else { return Err("the motion has no knots".to_owned()) };
+        let Some(found) = found else {
+            let fault = PathError::Count { knots: motion.q.len(), times: timed.time_s.len() };
+            return Err(NoMotion::Malformed { fault }.into());
+        };
         let (v, a) = (&found.speed, &found.acceleration);
-        for (worst, what) in [(v, "move"), (a, "accelerate")] {
-            if worst.value > 1.0 {
-                return Err(format!(
-                    "joint `{}` would {what} at {:.1} % of its limit at t = {:.2} s, between the knots",
-                    worst.joint,
-                    100.0 * worst.value,
-                    worst.time_s
-                ));
+        for (worst, of, most) in [
+            (v, LimitKind::Velocity, 1.0),
+            (a, LimitKind::Acceleration, 1.0),
+            (&found.range, LimitKind::Position, 1e-9),
+        ] {
+            if worst.value > most {
+                let Extreme { joint, time_s, value } = worst.clone();
+                return Err(NoMotion::BetweenKnots { joint, of, value, time_s }.into());
             }
-        }
-        if found.range.value > 1e-9 {
-            return Err(format!(
-                "joint `{}` would leave its range at t = {:.2} s, between the knots",
-                found.range.joint, found.range.time_s
-            ));
         }
         Ok((motion, found))
     }
@@ -232,9 +230,9 @@ impl Arm<'_> {
     }
 
     /// The refusal for a path that the robot cannot follow: by how much, and what would help.
-    fn refuse(&self, path: SmoothPath, reason: &str) -> Followed {
+    fn refuse(&self, path: SmoothPath, why: NoPath) -> Followed {
         let changes = self.changes(&path);
-        Followed::NoMotion { path, refusal: infeasible(Cause::Robot, reason, changes) }
+        Followed::NoMotion { path, refusal: infeasible(why, changes) }
     }
 
     fn changes(&self, path: &SmoothPath) -> Vec<Change> {
@@ -259,15 +257,14 @@ impl Arm<'_> {
             changes.push(Change::Duration { from_s, to_s: from_s * factor });
         }
         if let [v] = &check.violations[..] {
-            let length =
-                if v.is_prismatic { ["m", "m/s", "m/s^2"] } else { ["rad", "rad/s", "rad/s^2"] };
-            let (of, unit) = match v.kind {
-                LimitKind::Position => ("position", length[0]),
-                LimitKind::Velocity => ("speed", length[1]),
-                LimitKind::Acceleration => ("acceleration", length[2]),
-            };
-            let (joint, from, to) = (v.joint.clone(), v.limit, v.value);
-            changes.push(Change::JointLimit { joint, of: of.into(), unit: unit.into(), from, to });
+            let (joint, of, is_prismatic) = (v.joint.clone(), v.kind, v.is_prismatic);
+            changes.push(Change::JointLimit {
+                joint,
+                of,
+                is_prismatic,
+                from: v.limit,
+                to: v.value,
+            });
         }
         changes
     }

@@ -8,7 +8,8 @@
 use super::change::Change;
 use super::hull::TOLERANCE;
 use super::limits::{Box3, PathLimits};
-use super::project::{Cause, Projection, infeasible};
+use super::project::{Projection, infeasible};
+use super::refusal::{End, NoPath};
 use super::scene::Scene;
 use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3};
@@ -22,56 +23,50 @@ pub(super) fn refuse_at_once(
     limits: &PathLimits,
     scene: &Scene,
 ) -> Option<Projection> {
-    if let Some(reason) = outside(start, goal, limits) {
-        return Some(infeasible(Cause::Workspace, &reason, into_the_box(start, goal, limits)));
+    if let Some(why) = outside(start, goal, limits) {
+        return Some(infeasible(why, into_the_box(start, goal, limits)));
     }
-    for (end, pose) in [("start", start), ("goal", goal)] {
+    for (end, pose) in [(End::Start, start), (End::Goal, goal)] {
         if let Some(refusal) = misplaced(end, &pose.translation.vector, scene) {
             return Some(refusal);
         }
     }
     let turn = shortest_turn_s(start, goal, limits);
     if turn > duration * (1.0 + TOLERANCE) {
-        let angle = rotation_between(&start.rotation, &goal.rotation).norm().to_degrees();
-        let reason = format!(
-            "{duration:.2} s is too short: at {} rad/s and {} rad/s^2 the turn of {angle:.0} deg \
-             needs at least {} s",
-            limits.angular_speed_rad_s,
-            limits.angular_acceleration_rad_s2,
-            rounded_up(turn)
-        );
+        let why = NoPath::TooShortToTurn {
+            duration_s: duration,
+            needed_s: turn,
+            angle_rad: rotation_between(&start.rotation, &goal.rotation).norm(),
+            angular_speed_rad_s: limits.angular_speed_rad_s,
+            angular_acceleration_rad_s2: limits.angular_acceleration_rad_s2,
+        };
         let change = Change::Duration { from_s: duration, to_s: turn };
-        return Some(infeasible(Cause::Turn, &reason, vec![change]));
+        return Some(infeasible(why, vec![change]));
     }
     let straight = shortest_straight_s(start, goal, limits);
     (straight > duration).then(|| too_short(start, goal, duration, limits, straight))
 }
 
 /// A start or goal in an obstacle or out of reach.
-fn misplaced(end: &'static str, at: &Vec3, scene: &Scene) -> Option<Projection> {
+fn misplaced(end: End, at: &Vec3, scene: &Scene) -> Option<Projection> {
     for (name, obstacle) in scene.obstacles {
         let (distance, normal) = obstacle.surface(at);
         if distance < 0.0 {
-            let reason = format!("{end} inside obstacle `{name}`, {:.0} mm deep", -distance * 1e3);
-            let to_m = at - normal * distance;
-            let moved = Change::MoveEnd { end: end.into(), by_m: -distance, to_m };
-            let smaller = Change::ShrinkObstacle { name: name.clone(), by_m: -distance };
-            return Some(infeasible(Cause::Obstacle, &reason, vec![moved, smaller]));
+            let (obstacle, depth_m) = (name.clone(), -distance);
+            let why = NoPath::InsideObstacle { end, obstacle, depth_m };
+            let moved = Change::MoveEnd { end, by_m: depth_m, to_m: at - normal * distance };
+            let smaller = Change::ShrinkObstacle { name: name.clone(), by_m: depth_m };
+            return Some(infeasible(why, vec![moved, smaller]));
         }
     }
     for reach in scene.reaches {
         let way = at - reach.center;
         let by_m = way.norm() - reach.radius_m;
         if by_m > 0.0 {
-            let reason = format!(
-                "{end} out of reach of body `{}`: {:.0} mm farther than any posture brings the hand",
-                reach.body,
-                by_m * 1e3
-            );
-            let moved =
-                Change::MoveEnd { end: end.into(), by_m, to_m: at - way.normalize() * by_m };
+            let why = NoPath::BeyondReach { end, body: reach.body.clone(), by_m };
+            let moved = Change::MoveEnd { end, by_m, to_m: at - way.normalize() * by_m };
             let nearer = Change::ExtendReach { body: reach.body.clone(), by_m };
-            return Some(infeasible(Cause::Reach, &reason, vec![moved, nearer]));
+            return Some(infeasible(why, vec![moved, nearer]));
         }
     }
     None
@@ -82,12 +77,12 @@ fn into_the_box(start: &Pose, goal: &Pose, limits: &PathLimits) -> Vec<Change> {
     let Some(inner) = &limits.workspace else { return Vec::new() };
     let mut changes = Vec::new();
     let mut crossed = 0;
-    for (end, pose) in [("start", start), ("goal", goal)] {
+    for (end, pose) in [(End::Start, start), (End::Goal, goal)] {
         let at = pose.translation.vector;
         let to_m = Vec3::from_fn(|i, _| at[i].max(inner.min[i]).min(inner.max[i]));
         if to_m != at {
             crossed += 1;
-            changes.push(Change::MoveEnd { end: end.into(), by_m: (to_m - at).norm(), to_m });
+            changes.push(Change::MoveEnd { end, by_m: (to_m - at).norm(), to_m });
         }
     }
     // Two ends outside: neither move is enough alone.
@@ -114,35 +109,27 @@ pub(super) fn too_short(
     limits: &PathLimits,
     needed: f64,
 ) -> Projection {
-    let distance = (goal.translation.vector - start.translation.vector).norm();
-    let reason = format!(
-        "{duration:.2} s is too short: at {} m/s, {} m/s^2 and {} m/s^3 a path over {distance:.2} m \
-         needs at least {} s",
-        limits.speed_m_s,
-        limits.acceleration_m_s2,
-        limits.jerk_m_s3,
-        rounded_up(needed)
-    );
-    let change = Change::Duration { from_s: duration, to_s: needed };
-    infeasible(Cause::Duration, &reason, vec![change])
+    let why = NoPath::TooShort {
+        duration_s: duration,
+        needed_s: needed,
+        distance_m: (goal.translation.vector - start.translation.vector).norm(),
+        speed_m_s: limits.speed_m_s,
+        acceleration_m_s2: limits.acceleration_m_s2,
+        jerk_m_s3: limits.jerk_m_s3,
+    };
+    infeasible(why, vec![Change::Duration { from_s: duration, to_s: needed }])
 }
 
-/// Hundredths of a second, upward.
-fn rounded_up(seconds: f64) -> String {
-    format!("{:.2}", (seconds * 100.0).ceil() / 100.0)
-}
-
-/// The sentence for a start or goal outside the box.
-pub(super) fn outside(start: &Pose, goal: &Pose, limits: &PathLimits) -> Option<String> {
+/// The refusal of a start or goal outside the box.
+pub(super) fn outside(start: &Pose, goal: &Pose, limits: &PathLimits) -> Option<NoPath> {
     let inner = limits.workspace.as_ref()?;
-    let find = |name: &str, pose: &Pose| {
+    let find = |end: End, pose: &Pose| {
         let p = pose.translation.vector;
         let (axis, is_upper) =
             Box3::faces().find(|(axis, up)| inner.excess(&p, *axis, *up) > 0.0)?;
-        let (face, letter) = (inner.face(axis, is_upper), ["x", "y", "z"][axis]);
-        Some(format!("{name} outside the workspace box ({face}; its {letter} is {:.3} m)", p[axis]))
+        Some(NoPath::OutsideBox { end, face: inner.face(axis, is_upper), at_m: p[axis] })
     };
-    find("start", start).or_else(|| find("goal", goal))
+    find(End::Start, start).or_else(|| find(End::Goal, goal))
 }
 
 /// Shortest duration of the turn under the minimum-jerk law, s.

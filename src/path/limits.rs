@@ -1,5 +1,6 @@
 //! What a TCP path may not exceed.
 
+use super::refusal::InputFault;
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,17 @@ pub struct Box3 {
     pub max: Vec3,
 }
 
+/// A face of a box.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Face {
+    /// The axis on which it stands: 0 to 2.
+    pub axis: usize,
+    /// Whether it bounds that coordinate from above.
+    pub is_upper: bool,
+    /// Where, m.
+    pub at_m: f64,
+}
+
 impl Box3 {
     /// How far a point is outside the face of `axis` (0 to 2) on its upper or lower side, m;
     /// negative inside.
@@ -20,11 +32,10 @@ impl Box3 {
         if is_upper { point[axis] - self.max[axis] } else { self.min[axis] - point[axis] }
     }
 
-    /// A face in words, such as `x <= 0.80 m`.
-    pub fn face(&self, axis: usize, is_upper: bool) -> String {
-        let name = ["x", "y", "z"][axis];
-        let (sign, at) = if is_upper { ("<=", self.max[axis]) } else { (">=", self.min[axis]) };
-        format!("{name} {sign} {at:.2} m")
+    /// The face of `axis` (0 to 2) on its upper or lower side.
+    pub fn face(&self, axis: usize, is_upper: bool) -> Face {
+        let at_m = if is_upper { self.max[axis] } else { self.min[axis] };
+        Face { axis, is_upper, at_m }
     }
 
     /// The six faces: axis and whether it is the upper one.
@@ -74,7 +85,7 @@ impl Default for PathLimits {
 
 impl PathLimits {
     /// The first limit that is no positive finite number, or a box that holds no point.
-    pub fn fault(&self) -> Option<String> {
+    pub fn fault(&self) -> Option<InputFault> {
         let named = [
             ("speed_m_s", self.speed_m_s),
             ("acceleration_m_s2", self.acceleration_m_s2),
@@ -83,18 +94,18 @@ impl PathLimits {
             ("angular_acceleration_rad_s2", self.angular_acceleration_rad_s2),
         ];
         if let Some((name, value)) = named.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
-            return Some(format!("the limit {name} must be a positive number and is {value}"));
+            return Some(InputFault::Limit { name: (*name).into(), value: *value });
         }
         if !(self.clearance_m >= 0.0 && self.clearance_m.is_finite()) {
-            return Some("the limit clearance_m must be a number of 0 or more".to_owned());
+            return Some(InputFault::Clearance { value: self.clearance_m });
         }
-        if self.corridor_m.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
-            return Some("the limit corridor_m must be a positive number".to_owned());
+        if let Some(value) = self.corridor_m.filter(|r| !(*r > 0.0 && r.is_finite())) {
+            return Some(InputFault::Limit { name: "corridor_m".into(), value });
         }
         let inner = self.workspace?;
         // An open side (infinite) is fine, NaN is not.
         let is_box = (0..3).all(|i| inner.min[i] <= inner.max[i]);
-        (!is_box).then(|| "the workspace box has a least coordinate above its greatest".to_owned())
+        (!is_box).then_some(InputFault::Box)
     }
 }
 
@@ -106,14 +117,14 @@ mod tests {
     fn faults_are_named() {
         assert_eq!(PathLimits::default().fault(), None);
         let broken = PathLimits { jerk_m_s3: f64::NAN, ..PathLimits::default() };
-        assert!(broken.fault().unwrap().contains("jerk_m_s3"));
+        assert!(broken.fault().unwrap().to_string().contains("jerk_m_s3"));
         let narrow = PathLimits { corridor_m: Some(0.0), ..PathLimits::default() };
-        assert!(narrow.fault().unwrap().contains("corridor_m"));
+        assert!(narrow.fault().unwrap().to_string().contains("corridor_m"));
         let near = PathLimits { clearance_m: -1.0, ..PathLimits::default() };
-        assert!(near.fault().unwrap().contains("clearance_m"));
+        assert_eq!(near.fault(), Some(InputFault::Clearance { value: -1.0 }));
         let mut inner = Box3 { min: Vec3::zeros(), max: Vec3::new(1.0, 1.0, -1.0) };
         let with = |b: Box3| PathLimits { workspace: Some(b), ..PathLimits::default() };
-        assert!(with(inner).fault().unwrap().contains("workspace"));
+        assert_eq!(with(inner).fault(), Some(InputFault::Box));
         inner.max.z = f64::INFINITY;
         assert_eq!(with(inner).fault(), None);
         inner.max.z = f64::NAN;
@@ -121,13 +132,13 @@ mod tests {
     }
 
     #[test]
-    fn faces_have_signed_distances_and_names() {
+    fn faces_have_signed_distances_and_places() {
         let inner = Box3 { min: Vec3::zeros(), max: Vec3::new(0.8, 1.0, 2.0) };
         let point = Vec3::new(0.9, 0.5, 1.0);
         assert!((inner.excess(&point, 0, true) - 0.1).abs() < 1e-12);
         assert!((inner.excess(&point, 1, false) + 0.5).abs() < 1e-12);
-        assert_eq!(inner.face(0, true), "x <= 0.80 m");
-        assert_eq!(inner.face(2, false), "z >= 0.00 m");
+        assert_eq!(inner.face(0, true), Face { axis: 0, is_upper: true, at_m: 0.8 });
+        assert_eq!(inner.face(2, false), Face { axis: 2, is_upper: false, at_m: 0.0 });
         assert_eq!(Box3::faces().count(), 6);
     }
 }

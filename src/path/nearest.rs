@@ -12,6 +12,7 @@ use super::hull::{
 use super::keepout::{Hulls, planes};
 use super::limits::{Box3, PathLimits};
 use super::project::ProjectionSettings;
+use super::refusal::NoAnswer;
 use super::scene::{Order, Scene};
 use super::smooth::SmoothPath;
 use super::stencil::position_hull;
@@ -84,7 +85,7 @@ pub(super) enum Refusal {
     /// A path exists only if these give way.
     Elastic(Vec<Shortfall>),
     /// No answer.
-    NoAnswer(String),
+    NoAnswer(NoAnswer),
 }
 
 /// The rows in play, and the slacks behind them.
@@ -136,7 +137,7 @@ pub(super) fn solve_within(question: &Question) -> Result<Answer, Refusal> {
             match margins.next() {
                 Some(next) => margin = *next,
                 None => {
-                    return Err(Refusal::NoAnswer("the solution is not accurate enough".into()));
+                    return Err(Refusal::NoAnswer(NoAnswer::Inaccurate));
                 }
             }
             continue;
@@ -157,7 +158,7 @@ pub(super) fn solve_within(question: &Question) -> Result<Answer, Refusal> {
         shortfalls = found;
     }
     Err(if shortfalls.is_empty() {
-        Refusal::NoAnswer("the path did not settle".to_owned())
+        Refusal::NoAnswer(NoAnswer::NotSettled)
     } else {
         Refusal::Elastic(shortfalls)
     })
@@ -189,8 +190,11 @@ fn solution(problem: &Problem) -> Result<(Vec<f64>, Vec<f64>, u32), Refusal> {
     match solve(problem) {
         Outcome::Solved { x, z, iterations, .. } => Ok((x, z, iterations)),
         Outcome::PrimalInfeasible { culprits } => Err(Refusal::Contradiction(culprits)),
-        Outcome::DualInfeasible => Err(Refusal::NoAnswer("unbounded".to_owned())),
-        Outcome::NotConverged { status } => Err(Refusal::NoAnswer(format!("{status:?}"))),
+        Outcome::DualInfeasible => Err(Refusal::NoAnswer(NoAnswer::Unbounded)),
+        Outcome::NotConverged { status } => {
+            let status = format!("{status:?}");
+            Err(Refusal::NoAnswer(NoAnswer::Stopped { status }))
+        }
     }
 }
 

@@ -5,12 +5,13 @@
 //! programs of [`super::nearest`] are solved.
 
 use super::bounds::{outside, refuse_at_once, shortest_straight_s, shortest_turn_s, too_short};
-use super::change::{Change, or_list};
-use super::limits::PathLimits;
+use super::change::Change;
+use super::limits::{Box3, PathLimits};
 use super::nearest::{Elastic, Question, Refusal, Shortfall, solve_within};
+use super::refusal::{InputFault, LimitName, NoAnswer, NoPath};
 use super::scene::{Condition, Order, Scene};
 use super::smooth::SmoothPath;
-use super::transcription::{ACCELERATION, JERK, ROBOT, SPEED};
+use super::transcription::{ACCELERATION, JERK, ROBOT, SPEED, face_label};
 use crate::math::{Pose, Vec3};
 use crate::qp::{Culprit, Residuals};
 use crate::trajectory::{Pause, TimedPath};
@@ -32,30 +33,6 @@ impl Default for ProjectionSettings {
     }
 }
 
-/// What kind of reason stands against a path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// The input is malformed.
-    Input,
-    /// Start, goal or the way between them leave the workspace box.
-    Workspace,
-    /// There is too little time for the way.
-    Duration,
-    /// There is too little time for the turn.
-    Turn,
-    /// Start, goal or the way between them come too near to an obstacle.
-    Obstacle,
-    /// The corridor about the reference is too narrow.
-    Corridor,
-    /// A hand cannot follow.
-    Reach,
-    /// The robot's joints cannot follow.
-    Robot,
-    /// The solver gave no answer.
-    Solver,
-}
-
 /// What came of a projection.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Projection {
@@ -73,18 +50,16 @@ pub enum Projection {
     },
     /// No such path.
     Infeasible {
-        /// The kind of reason, for counting.
-        cause: Cause,
-        /// The reason in a sentence, with the changes.
-        reason: String,
+        /// The reason.
+        why: NoPath,
         /// What would help, each alone, as far as it is known without further search (see
         /// [`super::smallest_changes`]).
         changes: Vec<Change>,
     },
 }
 
-pub(super) fn infeasible(cause: Cause, reason: &str, changes: Vec<Change>) -> Projection {
-    Projection::Infeasible { cause, reason: format!("{reason}{}", or_list(&changes)), changes }
+pub(super) fn infeasible(why: NoPath, changes: Vec<Change>) -> Projection {
+    Projection::Infeasible { why, changes }
 }
 
 /// Projects `reference` onto the limits. Position: nearest in the mean square, at rest at both ends.
@@ -105,8 +80,8 @@ pub fn project_within(
     scene: &Scene,
     settings: &ProjectionSettings,
 ) -> Projection {
-    if let Some(reason) = input_fault(reference, limits, settings) {
-        return infeasible(Cause::Input, &reason, Vec::new());
+    if let Some(fault) = input_fault(reference, limits, settings) {
+        return infeasible(NoPath::Input { fault }, Vec::new());
     }
     let (positions, start, goal) = sampled(reference, settings.steps);
     let duration = reference.duration_s();
@@ -139,11 +114,7 @@ pub fn project_within(
             explain(&culprits, &start, &goal, duration, limits, settings)
         }
         Err(Refusal::Elastic(shortfalls)) => give_way(&question, &shortfalls),
-        Err(Refusal::NoAnswer(status)) => infeasible(
-            Cause::Solver,
-            &format!("the solver stopped without an answer ({status}); the path is left out"),
-            Vec::new(),
-        ),
+        Err(Refusal::NoAnswer(answer)) => infeasible(NoPath::Unsolved { answer }, Vec::new()),
     }
 }
 
@@ -233,20 +204,20 @@ pub(super) fn input_fault(
     reference: &TimedPath,
     limits: &PathLimits,
     settings: &ProjectionSettings,
-) -> Option<String> {
-    if let Some(fault) = reference.fault() {
-        return Some(fault.to_string());
+) -> Option<InputFault> {
+    if let Some(error) = reference.fault() {
+        return Some(InputFault::Samples { error });
     }
     if !(4..=2000).contains(&settings.steps) {
-        return Some(format!("the number of steps must be 4 to 2000 and is {}", settings.steps));
+        return Some(InputFault::Steps { steps: settings.steps });
     }
     if !(settings.jerk_weight > 0.0 && settings.jerk_weight.is_finite()) {
-        return Some("the weight of the jerk must be a positive number".to_owned());
+        return Some(InputFault::JerkWeight { value: settings.jerk_weight });
     }
     limits.fault()
 }
 
-/// The sentence for a contradiction. The box is convex and holds start and goal, so that the straight
+/// The refusal for a contradiction. The box is convex and holds start and goal, so that the straight
 /// way is in it: what is missing is time, by less than the discretisation costs, or else the limits
 /// of the certificate are named as they are.
 fn explain(
@@ -263,20 +234,24 @@ fn explain(
         return too_short(start, goal, duration, limits, needed);
     }
     if culprits.iter().any(|c| c.label == ROBOT) {
-        let reason = "the robot's joints cannot follow any path near this one in time";
-        return infeasible(Cause::Robot, reason, Vec::new());
+        return infeasible(NoPath::JointsTooSlow, Vec::new());
     }
-    let is_limit = |c: &&Culprit| {
-        [SPEED, ACCELERATION, JERK].contains(&c.label.as_str()) || c.label.starts_with("workspace")
-    };
-    let labels: Vec<&str> = culprits.iter().filter(is_limit).map(|c| c.label.as_str()).collect();
-    let cause = if labels.first().is_some_and(|l| l.starts_with("workspace")) {
-        Cause::Workspace
-    } else {
-        Cause::Duration
-    };
-    let reason = format!("these limits contradict each other: {}", labels.join(", "));
-    infeasible(cause, &reason, Vec::new())
+    let limits = culprits.iter().filter_map(|c| limit_of(&c.label, limits)).collect();
+    infeasible(NoPath::Contradiction { limits }, Vec::new())
+}
+
+/// The limit whose rows have this label; none for rows that are no limit of the path.
+fn limit_of(label: &str, limits: &PathLimits) -> Option<LimitName> {
+    match label {
+        SPEED => Some(LimitName::Speed),
+        ACCELERATION => Some(LimitName::Acceleration),
+        JERK => Some(LimitName::Jerk),
+        _ => {
+            let inner = limits.workspace.as_ref()?;
+            let face = Box3::faces().find(|f| face_label(inner, *f) == label)?;
+            Some(LimitName::Face(inner.face(face.0, face.1)))
+        }
+    }
 }
 
 /// The refusal when elastic things would have to give way: the largest is named, with the least by
@@ -284,7 +259,7 @@ fn explain(
 fn give_way(question: &Question, shortfalls: &[Shortfall]) -> Projection {
     let by_size = |a: &&Shortfall, b: &&Shortfall| a.by_m.total_cmp(&b.by_m);
     let Some(worst) = shortfalls.iter().max_by(by_size) else {
-        return infeasible(Cause::Solver, "the path did not settle", Vec::new());
+        return infeasible(NoPath::Unsolved { answer: NoAnswer::NotSettled }, Vec::new());
     };
     let mut blamed: Vec<Elastic> = shortfalls.iter().map(|s| s.of).collect();
     blamed.sort_unstable();
@@ -292,30 +267,18 @@ fn give_way(question: &Question, shortfalls: &[Shortfall]) -> Projection {
     let changes: Vec<Change> = blamed.iter().filter_map(|of| alone(question, *of)).collect();
     let at_s = (worst.step as f64 + 0.5) * question.step_s;
     let (scene, limits) = (question.scene, question.limits);
-    let mm = worst.by_m * 1e3;
-    let (cause, reason) = match worst.of {
+    let by_m = worst.by_m;
+    let why = match worst.of {
         Elastic::Obstacle(i) => {
-            let name = &scene.obstacles[i].0;
-            let reason = format!(
-                "obstacle `{name}` leaves no way on this side: at {at_s:.2} s the TCP comes {mm:.0} mm \
-                 nearer than its clearance of {:.0} mm",
-                limits.clearance_m * 1e3
-            );
-            (Cause::Obstacle, reason)
+            let (obstacle, clearance_m) = (scene.obstacles[i].0.clone(), limits.clearance_m);
+            NoPath::Blocked { obstacle, at_s, by_m, clearance_m }
         }
-        Elastic::Corridor => (
-            Cause::Corridor,
-            format!("the corridor is too narrow: at {at_s:.2} s the path is {mm:.0} mm outside"),
-        ),
-        Elastic::Reach(i) => (
-            Cause::Reach,
-            format!(
-                "the path leaves the reach of body `{}`: at {at_s:.2} s by {mm:.0} mm",
-                scene.reaches[i].body
-            ),
-        ),
+        Elastic::Corridor => NoPath::Corridor { at_s, by_m },
+        Elastic::Reach(i) => {
+            NoPath::LeavesReach { body: scene.reaches[i].body.clone(), at_s, by_m }
+        }
     };
-    infeasible(cause, &reason, changes)
+    infeasible(why, changes)
 }
 
 /// The least by which one elastic thing alone would have to give way, if that is enough.

@@ -8,8 +8,10 @@ use super::bounds::{outside, shortest_turn_s};
 use super::change::Change;
 use super::limits::PathLimits;
 use super::nearest::{Elastic, Question, solve_within};
-use super::project::{Cause, Projection, ProjectionSettings, alone, project_within, sampled};
+use super::project::{Projection, ProjectionSettings, alone, project_within, sampled};
+use super::refusal::Cause;
 use super::scene::Scene;
+use super::verify::Quantity;
 use crate::trajectory::TimedPath;
 
 /// Factors beyond this are no advice.
@@ -27,7 +29,8 @@ pub fn smallest_changes(
     settings: &ProjectionSettings,
 ) -> Vec<Change> {
     let projection = project_within(reference, limits, scene, settings);
-    let Projection::Infeasible { cause, changes, .. } = projection else { return Vec::new() };
+    let Projection::Infeasible { why, changes } = projection else { return Vec::new() };
+    let cause = why.cause();
     let (positions, start, goal) = sampled_or_empty(reference, settings, cause);
     // Start and goal themselves, or nothing to search with: what is known is exact.
     if positions.is_empty() || outside(&start, &goal, limits).is_some() || is_exact(&changes) {
@@ -45,14 +48,9 @@ pub fn smallest_changes(
     if let Some(factor) = least_factor(|f| is_enough(limits, duration * f)) {
         found.push(Change::Duration { from_s: duration, to_s: duration * factor });
     }
-    for (name, unit, from, set) in raised(limits) {
+    for (of, from, set) in raised(limits) {
         if let Some(factor) = least_factor(|f| is_enough(&set(from * f), duration)) {
-            found.push(Change::Limit {
-                name: name.into(),
-                unit: unit.into(),
-                from,
-                to: from * factor,
-            });
+            found.push(Change::Limit { of, from, to: from * factor });
         }
     }
     let step_s = duration / settings.steps as f64;
@@ -85,29 +83,26 @@ fn is_exact(changes: &[Change]) -> bool {
     changes.iter().any(|c| matches!(c, Change::MoveEnd { .. }))
 }
 
-type Raised<'a> = (&'static str, &'static str, f64, Box<dyn Fn(f64) -> PathLimits + 'a>);
+type Raised<'a> = (Quantity, f64, Box<dyn Fn(f64) -> PathLimits + 'a>);
 
-/// The limits that may be raised: name, unit, value, and the limits with another value.
+/// The limits that may be raised: of what, value, and the limits with another value.
 fn raised(limits: &PathLimits) -> Vec<Raised<'_>> {
     let l = *limits;
     vec![
-        ("speed", "m/s", l.speed_m_s, Box::new(move |v| PathLimits { speed_m_s: v, ..l })),
+        (Quantity::Speed, l.speed_m_s, Box::new(move |v| PathLimits { speed_m_s: v, ..l })),
         (
-            "acceleration",
-            "m/s^2",
+            Quantity::Acceleration,
             l.acceleration_m_s2,
             Box::new(move |v| PathLimits { acceleration_m_s2: v, ..l }),
         ),
-        ("jerk", "m/s^3", l.jerk_m_s3, Box::new(move |v| PathLimits { jerk_m_s3: v, ..l })),
+        (Quantity::Jerk, l.jerk_m_s3, Box::new(move |v| PathLimits { jerk_m_s3: v, ..l })),
         (
-            "angular speed",
-            "rad/s",
+            Quantity::AngularSpeed,
             l.angular_speed_rad_s,
             Box::new(move |v| PathLimits { angular_speed_rad_s: v, ..l }),
         ),
         (
-            "angular acceleration",
-            "rad/s^2",
+            Quantity::AngularAcceleration,
             l.angular_acceleration_rad_s2,
             Box::new(move |v| PathLimits { angular_acceleration_rad_s2: v, ..l }),
         ),

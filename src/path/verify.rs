@@ -73,31 +73,6 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Name and unit for people.
-    fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Speed => ("speed", "m/s"),
-            Self::Acceleration => ("acceleration", "m/s^2"),
-            Self::Jerk => ("jerk", "m/s^3"),
-            Self::Workspace => ("distance outside the workspace box", "m"),
-            Self::AngularSpeed => ("angular speed", "rad/s"),
-            Self::AngularAcceleration => ("angular acceleration", "rad/s^2"),
-            Self::Rest => ("speed at an end of the path", "m/s"),
-            Self::Continuity => ("jump between steps", ""),
-            Self::KeepOut => ("depth inside the clearance of an obstacle", "m"),
-            Self::Corridor => ("distance outside the corridor", "m"),
-            Self::Reach => ("distance outside a hand's reach", "m"),
-            Self::JointSpeed => ("share of a joint's speed limit", ""),
-            Self::JointAcceleration => ("share of a joint's acceleration limit", ""),
-            Self::JointRange => ("distance of a joint beyond its range", "rad"),
-            Self::Tracking => ("distance of the robot from the path", "m"),
-            Self::Equality => ("optimality: equalities", ""),
-            Self::Cone => ("optimality: cones", ""),
-            Self::Stationarity => ("optimality: gradient", ""),
-            Self::Complementarity => ("optimality: duality gap", ""),
-        }
-    }
-
     /// Whether this tells how near a path is to the best one, not whether it keeps its limits.
     pub fn is_optimality(self) -> bool {
         matches!(self, Self::Equality | Self::Cone | Self::Stationarity | Self::Complementarity)
@@ -136,16 +111,6 @@ impl Check {
     pub fn is_met(&self) -> bool {
         let room = if self.quantity.is_distance() { 1.0 } else { self.limit };
         self.value <= self.limit + TOLERANCE * room
-    }
-
-    /// Value, time and limit in words.
-    pub fn sentence(&self) -> String {
-        let (name, unit) = self.quantity.words();
-        let relation = if self.is_met() { "within" } else { "over" };
-        let (value, at, limit) = (self.value, self.at_s, self.limit);
-        format!(
-            "{name} {value:.4} {unit} at {at:.2} s is {relation} the limit of {limit:.4} {unit}"
-        )
     }
 }
 

@@ -5,11 +5,12 @@ use super::near::Care;
 use super::objective::Figures;
 use super::pipeline::{Environment, SELECTION_BLOCK};
 use super::prepare::Prepared;
+use super::refusal::{Hint, Refusal, RefusedBy};
 use super::result::{BodyScores, CandidateResult, Status, Verdict};
 use super::space::Space;
 use crate::math::Vec3;
 use crate::math::stats::{mean, normal_quantile, quantile, std_dev};
-use crate::path::Change;
+use crate::path::{Change, Mover};
 use crate::scenario::{PersonMargin, Variant};
 
 /// Standard deviations by which few people must exceed the share before a path is refused early.
@@ -18,8 +19,6 @@ const SURELY: f64 = 2.33;
 const LEAST_MARGIN_M: f64 = 0.01;
 /// Weight of a whole missing margin, in units of the objective; about what paths differ by.
 const CROWDED: f64 = 0.5;
-/// Words by which the refusal is known.
-const TOO_NEAR: &str = "the robot comes nearer than";
 /// Distances by which base and worker are tried farther apart, m.
 const TRIED_M: [f64; 5] = [0.05, 0.1, 0.15, 0.2, 0.3];
 
@@ -54,19 +53,11 @@ impl Prepared {
             if below > margin.share + slack {
                 let p05 = quantile(&f.near_m, 0.05);
                 self.severity = (margin.margin_m - p05).max(0.0);
-                let what = f.nearest.as_ref().map_or("", |n| n.1.as_str());
-                self.refuse_person(too_near((body, what), below, p05, margin));
+                let nearest = f.nearest.as_ref().map(|n| n.1.clone());
+                let refusal = too_near(body, nearest.unwrap_or_default(), (below, p05), margin);
+                self.status.refuse(self.is_users, refusal);
                 return;
             }
-        }
-    }
-
-    /// Refused for the distance to a person; the user's own path is only marked.
-    fn refuse_person(&mut self, reason: String) {
-        match &mut self.status {
-            Status::Marked { violations } => violations.push(reason),
-            status if self.is_users => *status = Status::Marked { violations: vec![reason] },
-            status => *status = Status::Infeasible { stage: "person".to_owned(), reason },
         }
     }
 }
@@ -77,14 +68,13 @@ impl CandidateResult {
         let broken = |b: &&BodyScores| b.person_clearance.as_ref().is_some_and(|c| !c.is_kept());
         let Some(body) = self.bodies.iter().find(broken) else { return };
         let Some(c) = &body.person_clearance else { return };
-        let what = format!("link `{}` and the {}", c.link, c.body_part);
-        let reason = too_near((&body.body, &what), c.share_below, c.p05_m, margin);
-        match &mut self.status {
+        let nearest = [c.link.clone(), c.body_part.clone()];
+        let refusal = too_near(&body.body, nearest, (c.share_below, c.p05_m), margin);
+        let is_person = |v: &Refusal| v.by() == RefusedBy::Person;
+        match &self.status {
             // Said already, from the people of the selection.
-            Status::Marked { violations } if violations.iter().any(|v| v.contains(TOO_NEAR)) => {}
-            Status::Marked { violations } => violations.push(reason),
-            status if is_users => *status = Status::Marked { violations: vec![reason] },
-            status => *status = Status::Infeasible { stage: "person".to_owned(), reason },
+            Status::Marked { violations } if violations.iter().any(is_person) => {}
+            _ => self.status.refuse(is_users, refusal),
         }
     }
 }
@@ -98,25 +88,15 @@ impl Environment<'_> {
         space: &Space,
         verdict: &mut Verdict,
     ) {
-        let is_person = |p: &Prepared| matches!(&p.status, Status::Infeasible { stage, .. } if stage == "person");
+        let is_person = |p: &Prepared| p.status.refused_by() == Some(RefusedBy::Person);
         let near = refused.iter().filter(|p| is_person(p));
         let Some(closest) = near.min_by(|a, b| a.severity.total_cmp(&b.severity)) else { return };
         let changes = self.farther_apart(space);
-        verdict.lines.push(format!(
-            "Nearest to feasible is `{}`: {:.0} mm of the margin to the person are missing.",
-            closest.id,
-            (1e3 * closest.severity).ceil()
-        ));
-        verdict.lines.push(if changes.is_empty() {
-            format!(
-                "Neither the robot's base nor the worker up to {:.0} mm farther away makes the straight path \
-                 feasible; another place or mounting of the robot, or a smaller person_clearance_m, may.",
-                1e3 * TRIED_M[TRIED_M.len() - 1]
-            )
-        } else {
-            let all: Vec<String> = changes.iter().map(ToString::to_string).collect();
-            format!("What would help the straight path, each alone and tried: {}.", all.join("; "))
-        });
+        verdict
+            .hints
+            .push(Hint::NearestToFeasible { id: closest.id.clone(), missing_m: closest.severity });
+        let tried_m = TRIED_M[TRIED_M.len() - 1];
+        verdict.hints.push(Hint::Apart { changes: changes.clone(), tried_m });
         verdict.changes.extend(changes);
     }
 
@@ -152,23 +132,23 @@ impl Environment<'_> {
             let at_m = [x - away.x * by, y - away.y * by];
             is_enough(&Variant { at_m, ..nominal.clone() })
         });
-        let change = |what, by: Option<f64>| {
-            by.map(|by_m| Change::MoveApart { what: std::borrow::Cow::Borrowed(what), by_m })
-        };
-        change("robot's base", robot).into_iter().chain(change("worker", worker)).collect()
+        let change = |what, by: Option<f64>| by.map(|by_m| Change::MoveApart { what, by_m });
+        let robot = change(Mover::Robot, robot);
+        robot.into_iter().chain(change(Mover::Worker, worker)).collect()
     }
 }
 
-/// The refusal in one sentence.
-fn too_near((body, what): (&str, &str), below: f64, p05_m: f64, margin: &PersonMargin) -> String {
-    format!(
-        "{TOO_NEAR} {:.0} mm to body `{body}` in {:.1} % of the repetitions, {:.1} % are \
-         allowed (nearest: {what}; 5th percentile of the distance {:.0} mm)",
-        1e3 * margin.margin_m,
-        100.0 * below,
-        100.0 * margin.share,
-        1e3 * p05_m
-    )
+/// The refusal: link and body part that are nearest, share of repetitions below the margin and 5th
+/// percentile of the distance, m.
+fn too_near(
+    body: &str,
+    [link, body_part]: [String; 2],
+    (share_below, p05_m): (f64, f64),
+    margin: &PersonMargin,
+) -> Refusal {
+    let (share_allowed, margin_m) = (margin.share, margin.margin_m);
+    let body = body.to_owned();
+    Refusal::Person { body, link, body_part, share_below, share_allowed, margin_m, p05_m }
 }
 
 #[cfg(test)]

@@ -112,11 +112,6 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
         StartRule::Mean => "start posture: the person's mean, moved on to the start pose",
         StartRule::Given(_) => "start posture as given, moved on to the start pose",
     };
-    let robot = &scenario.robot;
-    let mut robot_lines = vec![robot.name.clone()];
-    robot_lines.extend(robot.assumed().into_iter().map(|a| format!("assumed: {a}")));
-    robot_lines.extend(robot.notes.iter().cloned());
-    robot_lines.push(robot.self_collision_note());
     Setting {
         name: scenario.name.clone(),
         description: scenario.description.clone(),
@@ -144,7 +139,7 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
              times as deep as broad, the other arm hanging"
                 .to_owned(),
         ],
-        robot: robot_lines,
+        robot: scenario.robot.facts(),
         assumed_limits: scenario.assumed_limits.clone(),
         task: scenario.task.clone(),
         duration_s: scenario.duration_s,

@@ -256,17 +256,14 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
         let vias = choice.map(|c| c.candidate.vias).unwrap_or_default();
         let (status, evaluated) = match &t.refused {
             None => (Status::Feasible, Evaluated::Search),
-            Some((stage, reason)) => {
-                let status = Status::Infeasible { stage: stage.clone(), reason: reason.clone() };
-                (status, Evaluated::None)
-            }
+            Some(refusal) => (Status::Infeasible { refusal: refusal.clone() }, Evaluated::None),
         };
         CandidateResult {
             rank: None,
             id: t.id.clone(),
             family: Family::Sampled,
             status,
-            changes: Vec::new(),
+            changes: t.changes.clone(),
             evaluated,
             vias_m: vias.into_iter().map(Into::into).collect(),
             chosen,

@@ -3,6 +3,7 @@
 
 use super::result::MethodScores;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
+use crate::robot::NotChecked;
 use serde::{Deserialize, Serialize};
 
 /// How much a finding should weigh with the reader.
@@ -172,10 +173,8 @@ pub enum Subject {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Why {
-    /// The robot's description holds no collision shapes that are used here.
-    NoShapes,
-    /// The robot does not follow the path.
-    NoMotion,
+    /// For what is known of the robot or its motion.
+    Robot(NotChecked),
     /// The path has too few rows.
     TooFewRows,
 }

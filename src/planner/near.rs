@@ -187,9 +187,9 @@ impl<'r> ArmAlong<'r> {
         }
     }
 
-    /// What comes near what.
-    pub(super) fn words(&self, closest: &Closest, parts: &[BodyPart]) -> String {
-        format!("link `{}` and the {}", self.parts[closest.arm].link, parts[closest.part].name)
+    /// What comes near what: link of the robot, body part.
+    pub(super) fn between(&self, closest: &Closest, parts: &[BodyPart]) -> [String; 2] {
+        [self.parts[closest.arm].link.to_owned(), parts[closest.part].name.clone()]
     }
 
     /// The figures of one body for the report; none without people.

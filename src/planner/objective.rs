@@ -22,8 +22,8 @@ pub struct Figures {
     pub effort: Vec<f64>,
     /// Least distance to the robot, m, of the repetitions that were looked at.
     pub near_m: Vec<f64>,
-    /// The least of these and what is there, in words; not in a search.
-    pub nearest: Option<(f64, String)>,
+    /// The least of these with link of the robot and body part there; not in a search.
+    pub nearest: Option<(f64, [String; 2])>,
 }
 
 impl Figures {

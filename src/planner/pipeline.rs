@@ -250,7 +250,7 @@ fn run(
         let refused: Vec<&Prepared> = chosen.iter().map(|f| &f.prepared).collect();
         workshop.explain(&refused, &mut verdict);
         environment.explain_nearness(&refused, &space, &mut verdict);
-        verdict.lines.extend(unreached_ends(scenario, &people));
+        verdict.hints.extend(unreached_ends(scenario, &people));
     }
     Ok(RunResult {
         schema: RESULT_SCHEMA.into(),

@@ -4,17 +4,17 @@ use super::along::hand_motion;
 use super::near::{ArmAlong, Care};
 use super::objective::Figures;
 use super::preset::Preset;
+use super::refusal::{Refusal, RefusedBy};
 use super::result::{HandMotion, PathData, Status};
-use super::robot_words::{between_knots, out_of_reach, robot_sentences, self_clearance_words};
 use crate::math::{Pose, Vec3};
 use crate::path::{
-    Arm, Candidate, Change, Check, Family, Followed, Projection, ProjectionSettings, Reach, Scene,
-    SmoothPath, Verification, project_for_arm, reference_path, verify, verify_motion,
-    verify_optimality, verify_samples, verify_samples_within, verify_scene,
+    Arm, Candidate, Change, Check, Family, Followed, NoAnswer, NoPath, Projection,
+    ProjectionSettings, Reach, Scene, SmoothPath, Verification, project_for_arm, reference_path,
+    verify, verify_motion, verify_optimality, verify_samples, verify_samples_within, verify_scene,
 };
 use crate::robot::{
-    Follow, FollowSettings, JointTrajectory, Robot, RobotMotion, Starts, check_joint_path,
-    follow_from, measure_room, start_postures,
+    Follow, FollowSettings, JointMargin, JointTrajectory, Nearest, NoMotion, Robot, RobotMotion,
+    Starts, check_joint_path, follow_from, measure_room, start_postures,
 };
 use crate::scenario::{Scenario, UserPath, Variant};
 use crate::trajectory::TimedPath;
@@ -37,7 +37,6 @@ pub(super) struct Prepared {
     pub path: Option<TimedPath>,
     pub checks: Vec<Check>,
     pub robot: Option<RobotMotion>,
-    pub clearance: Option<(f64, String)>,
     pub moved_m: f64,
     /// How far it is from being feasible, to order what is refused: m of an obstacle's depth, or by
     /// the stage that refused it.
@@ -120,7 +119,6 @@ impl<'a> Workshop<'a> {
             path: None,
             checks: Vec::new(),
             robot: None,
-            clearance: None,
             moved_m: 0.0,
             severity: 0.0,
             changes: Vec::new(),
@@ -136,7 +134,7 @@ impl<'a> Workshop<'a> {
         );
         let reference = match reference {
             Ok(reference) => reference,
-            Err(e) => return prepared.refused("path", e.to_string()),
+            Err(e) => return prepared.refused(NoPath::from(e)),
         };
         prepared.reference = Some(reference.clone());
         let (moved, new_starts);
@@ -149,7 +147,7 @@ impl<'a> Workshop<'a> {
             (&s.robot, &self.robot_starts)
         };
         if starts.postures.is_empty() {
-            return prepared.refused("robot", out_of_reach(starts));
+            return prepared.refused(no_start(starts));
         }
         let starts = &starts.postures;
         // A ball about a shoulder that has moved with the worker would be another one.
@@ -163,26 +161,25 @@ impl<'a> Workshop<'a> {
         match project_for_arm(&reference, &s.limits, &scene, &settings, &arm) {
             Followed::Feasible { projection, motion, between, .. } => {
                 let Projection::Feasible { path, moved_m, optimality, .. } = projection else {
-                    return prepared.refused("path", "the projection holds no path".to_owned());
+                    return prepared.refused(NoPath::Unsolved { answer: NoAnswer::NotSettled });
                 };
                 prepared.moved_m = moved_m;
                 prepared.checks = verify(&path, &s.limits).checks;
                 prepared.checks.extend(verify_scene(&path, &s.limits, &scene, &reference).checks);
                 prepared.checks.extend(verify_optimality(&optimality).checks);
                 prepared.checks.extend(verify_motion(&between).checks);
-                prepared.clearance = clearance(&motion);
                 let knots = path.timed(self.preset.steps).ok();
                 let broken = knots.and_then(|p| between_knots(robot, &p, &motion));
                 prepared.robot = Some(*motion);
                 match broken {
-                    Some(reason) => prepared.refused("robot", reason),
+                    Some(margin) => prepared.refused(Refusal::BetweenKnots(margin)),
                     None => self.kept(prepared, &path),
                 }
             }
-            Followed::NoPath(refusal) => prepared.because("path", refusal),
+            Followed::NoPath(refusal) => prepared.because(refusal),
             Followed::NoMotion { path, refusal } => {
                 prepared.path = path.timed(self.preset.steps).ok();
-                prepared.because("robot", refusal)
+                prepared.because(refusal)
             }
         }
     }
@@ -191,17 +188,16 @@ impl<'a> Workshop<'a> {
     fn kept(&self, mut prepared: Prepared, path: &SmoothPath) -> Prepared {
         match path.timed(self.preset.steps) {
             Ok(timed) => prepared.path = Some(timed),
-            Err(e) => return prepared.refused("path", e.to_string()),
+            Err(e) => return prepared.refused(NoPath::from(e)),
         }
         // A path that keeps its limits is one, even if a nearer one might exist.
         let broken = prepared.checks.iter().find(|c| !c.is_met() && !c.quantity.is_optimality());
-        if let Some(sentence) = broken.map(Check::sentence) {
-            return prepared.refused("path", sentence);
+        if let Some(check) = broken.copied() {
+            return prepared.refused(Refusal::Limit(check));
         }
-        match prepared.clearance.clone() {
-            Some((distance, what)) if distance <= SMALLEST_CLEARANCE_M => prepared
-                .refused("obstacle", format!("{what}: {:.0} mm deep or touching", -1e3 * distance)),
-            _ => prepared,
+        match prepared.touched() {
+            Some(refusal) => prepared.refused(refusal),
+            None => prepared,
         }
     }
 
@@ -210,8 +206,8 @@ impl<'a> Workshop<'a> {
         let s = self.scenario;
         let Verification { mut checks } = verify_samples(&user.path, &s.limits);
         checks.extend(verify_samples_within(&user.path, &s.limits, &self.scene()).checks);
-        let mut violations: Vec<String> =
-            checks.iter().filter(|c| !c.is_met()).map(Check::sentence).collect();
+        let broken = checks.iter().filter(|c| !c.is_met()).copied();
+        let mut violations: Vec<Refusal> = broken.map(Refusal::Limit).collect();
         let mut prepared = Prepared {
             id: user.name.clone(),
             variant: s.nominal(),
@@ -222,7 +218,6 @@ impl<'a> Workshop<'a> {
             path: None,
             checks,
             robot: None,
-            clearance: None,
             moved_m: 0.0,
             severity: 0.0,
             changes: Vec::new(),
@@ -233,34 +228,30 @@ impl<'a> Workshop<'a> {
         let count = (user.path.duration_s() / step).round().max(1.0);
         let path = match user.path.resample(user.path.duration_s() / count) {
             Ok(path) => path,
-            Err(e) => return prepared.refused("path", e.to_string()),
+            Err(e) => return prepared.refused(NoPath::from(e)),
         };
         match &user.joints {
             Some(q) => match check_joint_path(&s.robot, &user.path.time_s, q) {
                 Ok(mut check) => {
-                    violations.extend(check.violations.iter().map(ToString::to_string));
+                    violations.extend(check.violations.iter().cloned().map(Refusal::JointLimit));
                     let time_s = &user.path.time_s;
                     measure_room(&s.robot, time_s, &mut check.motion, &s.obstacles);
-                    violations.extend(check.motion.self_collision());
-                    prepared.clearance = clearance(&check.motion);
+                    let touching = check.motion.self_collision().cloned();
+                    let own = touching.map(|nearest| NoMotion::TouchesItself { nearest });
+                    violations.extend(own.map(Refusal::Robot));
                     let q = at_times(time_s, q, &path.time_s);
                     prepared.robot = Some(RobotMotion { q, ..check.motion });
                 }
-                Err(e) => violations.push(e.to_string()),
+                Err(fault) => {
+                    violations.push(Refusal::Robot(NoMotion::Malformed { fault }));
+                }
             },
             None => match self.follow_users(&path) {
-                Follow::Feasible(motion) => {
-                    prepared.clearance = clearance(&motion);
-                    prepared.robot = Some(motion);
-                }
-                Follow::Infeasible { reason, .. } => violations.push(reason),
+                Follow::Feasible(motion) => prepared.robot = Some(motion),
+                Follow::Infeasible { why } => violations.push(Refusal::Robot(why)),
             },
         }
-        if let Some((distance, what)) = &prepared.clearance
-            && *distance <= SMALLEST_CLEARANCE_M
-        {
-            violations.push(format!("{what} touch"));
-        }
+        violations.extend(prepared.touched());
         prepared.path = Some(path);
         if !violations.is_empty() {
             prepared.status = Status::Marked { violations };
@@ -283,22 +274,35 @@ impl Prepared {
         Some(poses.windows(2).map(chord).sum())
     }
 
-    fn refused(mut self, stage: &str, reason: String) -> Self {
-        self.severity = match (stage, &self.clearance) {
-            ("obstacle", Some((distance, _))) => -distance,
-            ("worker", _) => 1.0,
-            ("robot", _) => 2.0,
+    /// The smallest clearance to an obstacle; none without a motion, shapes or obstacles.
+    pub(super) fn clearance(&self) -> Option<&Nearest> {
+        self.robot.as_ref()?.obstacle_nearest.as_deref()
+    }
+
+    /// The refusal for an obstacle that a link touches.
+    fn touched(&self) -> Option<Refusal> {
+        let near = self.clearance().filter(|n| n.distance_m <= SMALLEST_CLEARANCE_M)?;
+        let (link, obstacle) = (near.link.clone(), near.obstacle.clone());
+        Some(Refusal::Obstacle { link, obstacle, depth_m: -near.distance_m })
+    }
+
+    fn refused(mut self, refusal: impl Into<Refusal>) -> Self {
+        let refusal = refusal.into();
+        self.severity = match (refusal.by(), &refusal) {
+            (_, Refusal::Obstacle { depth_m, .. }) => *depth_m,
+            (RefusedBy::Worker, _) => 1.0,
+            (RefusedBy::Robot, _) => 2.0,
             _ => 3.0,
         };
-        self.status = Status::Infeasible { stage: stage.to_owned(), reason };
+        self.status = Status::Infeasible { refusal };
         self
     }
 
-    fn because(mut self, stage: &str, refusal: Projection) -> Self {
+    fn because(mut self, refusal: Projection) -> Self {
         match refusal {
-            Projection::Infeasible { reason, changes, .. } => {
+            Projection::Infeasible { why, changes } => {
                 self.changes = changes;
-                self.refused(stage, reason)
+                self.refused(why)
             }
             Projection::Feasible { .. } => self,
         }
@@ -311,15 +315,8 @@ impl Prepared {
         let Some((body, lost)) = bodies.iter().zip(figures).find(|(_, f)| all_lost(f)) else {
             return;
         };
-        let reason = format!(
-            "body `{body}` cannot follow: the reach is exceeded from {:.2} s on in every rollout",
-            lost.lost_from_s.unwrap_or(0.0)
-        );
-        match &mut self.status {
-            Status::Marked { violations } => violations.push(reason),
-            status if self.is_users => *status = Status::Marked { violations: vec![reason] },
-            status => *status = Status::Infeasible { stage: "worker".to_owned(), reason },
-        }
+        let (body, from_s) = ((*body).to_owned(), lost.lost_from_s.unwrap_or(0.0));
+        self.status.refuse(self.is_users, Refusal::Worker { body, from_s });
     }
 
     /// The arm along the path, to be compared with people; none without shapes or motion.
@@ -355,19 +352,32 @@ impl Prepared {
             joint_trajectory: trajectory,
             robot_q: q.unwrap_or_default(),
             checks: self.checks.clone(),
-            robot_checks: self.robot.as_ref().map(robot_sentences).unwrap_or_default(),
-            clearance: self.clearance.clone(),
-            self_clearance: self_clearance_words(robot, self.robot.as_ref()),
+            robot_margins: self.robot.as_ref().map(RobotMotion::margins),
+            clearance: robot.obstacle_clearance(self.robot.as_ref(), scenario.obstacles.len()),
+            self_clearance: robot.self_clearance(self.robot.as_ref()),
             moved_m: self.moved_m,
             hand: self.hand_motion(path),
         })
     }
 }
 
-/// The smallest clearance to an obstacle, with what meets what.
-fn clearance(motion: &RobotMotion) -> Option<(f64, String)> {
-    let near = motion.obstacle_nearest.as_ref()?;
-    Some((near.distance_m, format!("link `{}` and obstacle `{}`", near.link, near.obstacle)))
+/// The refusal of a start that the robot does not reach.
+fn no_start(starts: &Starts) -> Refusal {
+    let known = |x: f64| x.is_finite().then_some(x);
+    Refusal::Start {
+        residual_m: known(starts.residual_m),
+        residual_rad: known(starts.residual_rad),
+    }
+}
+
+/// A joint whose limit is broken between the knots, as a controller would run them.
+fn between_knots(robot: &Robot, path: &TimedPath, motion: &RobotMotion) -> Option<JointMargin> {
+    if motion.q.len() != path.time_s.len() {
+        return None;
+    }
+    let names = robot.joint_names().map(str::to_owned).collect();
+    let margins = JointTrajectory::through(names, &path.time_s, &motion.q).check(robot);
+    margins.into_iter().find(|m| !m.is_kept())
 }
 
 /// Joint angles at other times, interpolated linearly.

@@ -4,6 +4,7 @@
 
 use super::findings::Finding;
 use super::preset::Preset;
+use super::refusal::{Hint, Refusal, RefusedGroup};
 use super::scene::Scene;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, PerMethod, ScoreDistribution, ScoringMethod,
@@ -13,7 +14,9 @@ use crate::files::null_as_nan;
 use crate::human::Side;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
-use crate::robot::{JointMargin, JointTrajectory};
+use crate::robot::{
+    JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
+};
 use crate::scenario::{Chosen, Origin, OtherArm, Task};
 use crate::survey::NeckRule;
 use nalgebra::DVector;
@@ -21,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Schema id and version of `result.json`.
-pub const RESULT_SCHEMA: &str = "ergopath/result/1";
+pub const RESULT_SCHEMA: &str = "ergopath/result/2";
 
 /// A finished run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -121,12 +124,15 @@ pub struct Verdict {
     pub gain: Option<Gain>,
     /// What else was found, in the order of its weight.
     pub findings: Vec<Finding>,
-    /// Where no path is feasible, why.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub lines: Vec<String>,
     /// Where no path is feasible: the smallest change of each kind that would help, alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
+    /// Where no path is feasible: the refusals by kind, the most frequent first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<RefusedGroup>,
+    /// Where no path is feasible: what may help, and what the reader should know.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hints: Vec<Hint>,
     /// What the posture model is not.
     pub caveat: Option<Caveat>,
 }
@@ -236,22 +242,20 @@ pub enum Price {
 }
 
 /// Whether a path can be used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Status {
     /// All limits are kept.
     Feasible,
     /// The user's own path breaks a limit; it is scored all the same.
     Marked {
-        /// One sentence for each limit.
-        violations: Vec<String>,
+        /// One for each limit.
+        violations: Vec<Refusal>,
     },
     /// It cannot be used.
     Infeasible {
-        /// "path", "robot", "obstacle", "worker" (out of reach) or "person" (too near).
-        stage: String,
-        /// Why, in one sentence.
-        reason: String,
+        /// Why.
+        refusal: Refusal,
     },
 }
 
@@ -368,23 +372,6 @@ impl PersonClearance {
     pub fn is_kept(&self) -> bool {
         self.share_below <= self.share_allowed
     }
-
-    /// All of it in one sentence.
-    pub fn sentence(&self) -> String {
-        format!(
-            "nearest {:.0} mm (link `{}` and the {} at {:.2} s), 5th percentile {:.0} mm; {:.1} % of {} \
-             repetitions nearer than {:.0} mm, {:.1} % allowed",
-            1e3 * self.min_m,
-            self.link,
-            self.body_part,
-            self.time_s,
-            1e3 * self.p05_m,
-            100.0 * self.share_below,
-            self.repetitions,
-            1e3 * self.margin_m,
-            100.0 * self.share_allowed
-        )
-    }
 }
 
 /// One body part's share in the score.
@@ -418,17 +405,17 @@ pub struct PathData {
     pub robot_q: Vec<Vec<f64>>,
     /// Limits of the TCP with value and margin.
     pub checks: Vec<Check>,
-    /// The robot's closest approaches to its limits, in words.
-    pub robot_checks: Vec<String>,
+    /// The robot's closest approaches to its limits; none when it cannot follow.
+    pub robot_margins: Option<RobotMargins>,
     /// Margins of the robot's joints between the points of the exported trajectory.
     pub joint_margins: Vec<JointMargin>,
     /// The robot's motion for its controller; written to files of its own.
     #[serde(skip)]
     pub joint_trajectory: Option<JointTrajectory>,
-    /// Smallest clearance to an obstacle, m, with what meets what.
-    pub clearance: Option<(f64, String)>,
-    /// Smallest distance of the arm to itself in words, or why it was not checked.
-    pub self_clearance: String,
+    /// Smallest clearance to an obstacle, or why it was not checked.
+    pub clearance: ObstacleClearance,
+    /// Smallest distance of the arm to itself, or why it was not checked.
+    pub self_clearance: SelfClearance,
     /// How far the QP moved the path, m.
     pub moved_m: f64,
     /// How the hand moves along it.
@@ -628,7 +615,7 @@ pub struct Setting {
     /// Side, stance, place, hold.
     pub worker: Vec<String>,
     /// Robot and what is assumed of it.
-    pub robot: Vec<String>,
+    pub robot: RobotFacts,
     /// Limits that are defaults.
     pub assumed_limits: Vec<String>,
     /// The task.

@@ -16,10 +16,12 @@ use super::near::{ArmAlong, Care};
 use super::objective::{Figures, PathTerms, objective};
 use super::pipeline::{Environment, PlanError, counted};
 use super::prepare::Prepared;
+use super::refusal::{Refusal, RefusedBy};
 use super::result::Status;
 use super::space::Space;
 use crate::math::cma::Cma;
 use crate::math::stream::{Purpose, stream};
+use crate::path::Change;
 use crate::posture::PostureLaw;
 use crate::scenario::Freedom;
 use rayon::prelude::*;
@@ -74,15 +76,19 @@ pub struct Tried {
     pub people: usize,
     /// Length of the way, m; of an infeasible point maybe infinite.
     pub length_m: f64,
-    /// Stage and reason that refused it.
-    pub refused: Option<(String, String)>,
+    /// Why it was refused.
+    pub refused: Option<Refusal>,
+    /// What would make it feasible, each alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Change>,
 }
 
 impl Tried {
     /// A point that nobody has judged yet.
     pub(super) fn at(id: &str, x: Vec<f64>) -> Self {
         let (id, value) = (id.to_owned(), INFEASIBLE);
-        Self { id, x, value, people: 0, length_m: f64::MAX, refused: None }
+        let (refused, changes) = (None, Vec::new());
+        Self { id, x, value, people: 0, length_m: f64::MAX, refused, changes }
     }
 }
 
@@ -175,8 +181,8 @@ fn generation(
         let mut tried = Tried { value: *value, people: *people, ..Tried::at(id, (*x).clone()) };
         if let Some(p) = p {
             tried.length_m = p.length_m().unwrap_or(f64::MAX);
-            if let Status::Infeasible { stage, reason } = p.status {
-                tried.refused = Some((stage, reason));
+            if let Status::Infeasible { refusal } = p.status {
+                (tried.refused, tried.changes) = (Some(refusal), p.changes);
             }
         }
         state.tried.push(tried);
@@ -187,8 +193,7 @@ fn generation(
 /// Whether a generation of which the arm can follow nothing is worth the global choice of its motion:
 /// the first one, and later ones if that has ever led to something.
 fn needs_care(prepared: &[Option<Prepared>], state: &SearchState) -> bool {
-    let is_the_arm =
-        |p: &Prepared| matches!(&p.status, Status::Infeasible { stage, .. } if stage == "robot");
+    let is_the_arm = |p: &Prepared| p.status.refused_by() == Some(RefusedBy::Robot);
     let all = || prepared.iter().flatten();
     let is_stuck = !all().any(Prepared::is_walkable) && all().any(is_the_arm);
     is_stuck && (state.generation == 0 || state.tried.iter().any(|t| t.people > 0))
@@ -335,7 +340,7 @@ impl Environment<'_> {
         let nominal_s = self.scenario.nominal().whole_s();
         PathTerms {
             time_share: is_free.then_some(p.variant.whole_s() / nominal_s),
-            clearance_m: p.clearance.as_ref().map(|c| c.0),
+            clearance_m: p.clearance().map(|c| c.distance_m),
             person: None,
         }
     }
@@ -352,10 +357,10 @@ pub(super) fn near(
     walks: &Walks,
     people: &std::ops::Range<usize>,
     (arm, p): (Option<&ArmAlong>, &Prepared),
-) -> (Vec<f64>, Option<(f64, String)>) {
+) -> (Vec<f64>, Option<(f64, [String; 2])>) {
     let Some(arm) = arm else { return (Vec::new(), None) };
     let closest = person.closest(walks, people, (arm, &p.variant));
     let least = closest.iter().flatten().min_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
-    let nearest = least.map(|c| (c.distance_m, arm.words(c, person.parts())));
+    let nearest = least.map(|c| (c.distance_m, arm.between(c, person.parts())));
     (closest.into_iter().flatten().map(|c| c.distance_m).collect(), nearest)
 }

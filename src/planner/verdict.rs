@@ -12,7 +12,7 @@ use super::searches::{ANY_FREEDOM, WITHOUT, held};
 use super::timing::lingering;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod, paired_difference};
 use crate::path::Family;
-use crate::robot::arm_parts;
+use crate::robot::{NotChecked, ObstacleClearance, SelfClearance};
 use crate::scenario::{Origin, Scenario, TIMING};
 
 /// Share of a path, or of the starts, beyond the training data from which nothing can be decided, and
@@ -130,8 +130,9 @@ impl Verdict {
             body: None,
             gain: None,
             findings: Vec::new(),
-            lines: Vec::new(),
             changes: Vec::new(),
+            refused: Vec::new(),
+            hints: Vec::new(),
             caveat,
         }
     }
@@ -217,24 +218,27 @@ impl Known<'_> {
 
     /// What could not be looked at along the lead.
     fn not_checked(&self) -> Vec<Finding> {
-        let of = |subject, why| Finding::NotChecked { subject, why };
-        let follows = self.lead.path.as_ref().is_some_and(|p| !p.robot_q.is_empty());
-        let has_shapes = !arm_parts(&self.scenario.robot).is_empty();
         let mut found = Vec::new();
-        if !follows {
-            found.push(of(Subject::Joints, Why::NoMotion));
-        }
-        let why = if has_shapes { Why::NoMotion } else { Why::NoShapes };
-        if !(has_shapes && follows) {
-            if !self.scenario.obstacles.is_empty() {
-                found.push(of(Subject::Obstacles, why));
+        let mut tell = |subject, why| found.push(Finding::NotChecked { subject, why });
+        if let Some(path) = &self.lead.path {
+            let no_motion = path.robot_q.is_empty().then_some(NotChecked::NoMotion);
+            if let Some(why) = no_motion {
+                tell(Subject::Joints, Why::Robot(why));
             }
-            found.extend([of(Subject::Person, why), of(Subject::Itself, why)]);
+            if let ObstacleClearance::NotChecked { why } = path.clearance {
+                tell(Subject::Obstacles, Why::Robot(why));
+            }
+            if let Some(why) = self.scenario.robot.not_checked().or(no_motion) {
+                tell(Subject::Person, Why::Robot(why));
+            }
+            if let SelfClearance::NotChecked { why } = path.self_clearance {
+                tell(Subject::Itself, Why::Robot(why));
+            }
         }
         let is_users = |p: &&crate::scenario::UserPath| p.name == self.lead.id;
         let users = self.scenario.paths.iter().find(is_users);
         if users.is_some_and(|p| p.path.time_s.len() < FEWEST_ROWS) {
-            found.push(of(Subject::Acceleration, Why::TooFewRows));
+            tell(Subject::Acceleration, Why::TooFewRows);
         }
         found
     }

@@ -173,7 +173,7 @@ impl ComparedRun {
             scenario: result.setting.name.clone(),
             duration_s: Some(result.setting.duration_s),
             load_kg: Some(result.setting.task.load_kg),
-            robot: result.setting.robot.first().cloned().unwrap_or_default(),
+            robot: result.setting.robot.name.clone(),
             posture_model: result.posture_model.name.clone(),
             caveat: result.verdict.caveat.map(|c| words::verdict::caveat(c).to_owned()),
             scenario_sha256: p.inputs.first().map(|(_, h)| h.clone()).unwrap_or_default(),
@@ -182,7 +182,7 @@ impl ComparedRun {
             ..Self::failed(name, "")
         };
         let Some(best) = best(result) else {
-            let reason = result.verdict.lines.first().cloned();
+            let reason = words::refused::lines(result).into_iter().next();
             run.state =
                 RowState::NoFeasiblePath(reason.unwrap_or_else(|| "no reason is stored".into()));
             return run;

@@ -3,7 +3,7 @@
 use super::comparison::{ComparedPath, ComparedRun, Comparison, Role, RowState, RunDifference};
 use super::page::{document, ticked};
 use super::style::{RULA_LEVELS, css};
-use super::view::{change, percent, score};
+use crate::words::number::{change, percent, score};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};

@@ -5,9 +5,10 @@ use super::figure_paths::{Look, bone_pen, extent};
 use super::panel::Panel;
 use super::sheet::{Anchor, Drawn, Sheet, Type, png};
 use super::style::{FAINT, GRID, INK, LABEL, MUTED, Pen, Stroke, TICK};
-use super::view::{View, capital};
+use super::view::View;
 use crate::planner::Moment;
 use crate::words;
+use crate::words::number::capital;
 
 const WIDTH: f64 = 1600.0;
 const HEIGHT: f64 = 640.0;

@@ -7,9 +7,10 @@ use super::style::{
     BEST, BLUE, GRID, INK, LABEL, Level, MUTED, OWN, Pen, REBA_LEVELS, RULA_LEVELS, STRAIGHT,
     Stroke, TICK, TITLE, tint,
 };
-use super::view::{View, percent, score};
+use super::view::View;
 use crate::ergonomics::{REBA_WORST, RULA_WORST, ScoreDistribution};
 use crate::planner::{BodyScores, CandidateResult};
+use crate::words::number::{percent, score};
 
 /// The paths that are compared curve by curve, with pen and name.
 fn compared<'a>(view: &View<'a>) -> Vec<(Pen, String, &'a CandidateResult)> {

@@ -6,11 +6,12 @@ use super::page_evidence as evidence;
 use super::page_scene as scene;
 use super::page_scores as scores;
 use super::style::{RULA_LEVELS, css, method_levels};
-use super::view::{View, change, percent, score};
+use super::view::View;
 use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
 use crate::planner::{BodyScores, MethodScores, Severity};
 use crate::scenario::Origin;
 use crate::words;
+use crate::words::number::{change, percent, score};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -167,7 +168,7 @@ fn verdict(view: &View) -> Markup {
         (list(&words::verdict::expected(result)))
         @if let Some(chosen) = words::verdict::chosen(result) { p { (chosen) } }
         (list(&words::verdict::findings(result, Severity::Note)))
-        (list(&result.verdict.lines))
+        (list(&words::refused::lines(result)))
         @for caution in words::verdict::findings(result, Severity::Caution) {
             p.warning { strong { "Caution: " } (ticked(&caution)) }
         }

@@ -1,10 +1,11 @@
 //! Sections of the page about what to look at and what to change: postures, recommendations.
 
 use super::page::figure;
-use super::view::{View, capital, change, percent, score};
+use super::view::View;
 use crate::ergonomics::ScoringMethod;
 use crate::planner::{Recommendation, Recommendations};
 use crate::words;
+use crate::words::number::{capital, change, percent, score};
 use maud::{Markup, html};
 
 /// The postures that matter, with a table that says what the figure shows.

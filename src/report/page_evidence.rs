@@ -3,12 +3,16 @@
 
 use super::page::{list, ticked};
 use super::page_scores::error;
-use super::view::{View, change, percent, quantity_words, score, value};
+use super::view::View;
 use crate::ergonomics::ScoringMethod;
 use crate::path::Check;
-use crate::planner::{BodyScores, CandidateResult, InputOrigin, PathData, PersonClearance, Status};
+use crate::planner::{
+    BodyScores, CandidateResult, InputOrigin, PathData, PersonClearance, Refusal, Status,
+};
+use crate::robot::{NotChecked, RobotFacts};
 use crate::scenario::Origin;
 use crate::words;
+use crate::words::number::{change, percent, score, value};
 use maud::{Markup, html};
 
 /// Where each input of the scores comes from.
@@ -60,7 +64,7 @@ pub(super) fn assumptions(view: &View) -> Markup {
         (list(&s.bodies))
         (list(&s.worker))
         h3 { "Robot" }
-        (list(&s.robot))
+        (list(&words::robot::facts(&s.robot)))
         h3 { "Limits that are defaults of the program, not of your cell" }
         @if s.assumed_limits.is_empty() { p { "None: the scenario gives all limits." } } @else { (list(&s.assumed_limits)) }
         h3 { "Not modelled" }
@@ -81,12 +85,13 @@ pub(super) fn verification(view: &View) -> Markup {
         }
         (searched(view))
         (thresholds(view))
-        (near_people(lead))
+        (near_people(lead, &view.result.setting.robot))
     }
 }
 
 /// How near the robot comes to each body.
-fn near_people(lead: &CandidateResult) -> Markup {
+fn near_people(lead: &CandidateResult, robot: &RobotFacts) -> Markup {
+    let why = robot.not_checked.unwrap_or(NotChecked::NoMotion);
     let found: Vec<(&str, &PersonClearance)> = lead
         .bodies
         .iter()
@@ -95,7 +100,7 @@ fn near_people(lead: &CandidateResult) -> Markup {
     html! {
         h3 { "Distance between robot and person" }
         @if found.is_empty() {
-            p { "Not checked: the robot has no collision shapes, or does not follow the path." }
+            p { "Not checked: " (words::robot::not_checked(why)) "." }
         } @else {
             p.note {
                 "Least distance of each repetition over time, between capsules around the robot's links and the person's body parts. \
@@ -151,21 +156,17 @@ fn limits(id: &str, path: &PathData) -> Markup {
         }
         h3 { "Robot and cell" }
         ul {
-            @for line in &path.robot_checks { li { (ticked(line)) } }
+            @for line in path.robot_margins.iter().flat_map(words::robot::margins) { li { (ticked(&line)) } }
             @if path.robot_q.is_empty() { li { strong { "The robot cannot follow this path." } } }
-            @if let Some((distance, what)) = &path.clearance {
-                li { "smallest clearance " (format!("{:.0}", 1e3 * distance)) " mm: " (ticked(what)) }
-            } @else {
-                li { "no obstacle was given, so no clearance was checked" }
-            }
-            li { (ticked(&path.self_clearance)) }
+            li { (ticked(&words::robot::obstacle_clearance(&path.clearance))) }
+            li { (ticked(&words::robot::self_clearance(&path.self_clearance))) }
             li { "planning moved the path by at most " (format!("{:.1}", 1e3 * path.moved_m)) " mm to keep the limits" }
         }
     }
 }
 
 fn check_row(check: &Check) -> Markup {
-    let (name, unit) = quantity_words(check.quantity);
+    let (name, unit) = words::path::quantity_heading(check.quantity);
     html! {
         tr {
             th scope="row" { (name) }
@@ -239,9 +240,7 @@ fn trust(b: &BodyScores) -> Markup {
 
 /// Refusals that differ only in their numbers.
 struct Group<'a> {
-    stage: &'a str,
-    pattern: String,
-    example: &'a str,
+    first: &'a Refusal,
     ids: Vec<&'a str>,
 }
 
@@ -249,14 +248,13 @@ struct Group<'a> {
 pub(super) fn infeasible(view: &View) -> Markup {
     let mut groups: Vec<Group> = Vec::new();
     for c in &view.result.candidates {
-        let Status::Infeasible { stage, reason } = &c.status else { continue };
-        let pattern: String = reason.chars().filter(|c| !c.is_ascii_digit() && *c != '-').collect();
-        match groups.iter_mut().find(|g| g.stage == stage && g.pattern == pattern) {
+        let Status::Infeasible { refusal } = &c.status else { continue };
+        match groups.iter_mut().find(|g| g.first.kind() == refusal.kind()) {
             Some(group) => group.ids.push(&c.id),
-            None => groups.push(Group { stage, pattern, example: reason, ids: vec![&c.id] }),
+            None => groups.push(Group { first: refusal, ids: vec![&c.id] }),
         }
     }
-    groups.sort_by(|a, b| b.ids.len().cmp(&a.ids.len()).then(a.example.cmp(b.example)));
+    groups.sort_by_key(|g| std::cmp::Reverse(g.ids.len()));
     let refused: usize = groups.iter().map(|g| g.ids.len()).sum();
     if refused == 0 {
         return html! { p { "None: every candidate could be made feasible." } };
@@ -275,8 +273,8 @@ pub(super) fn infeasible(view: &View) -> Markup {
                     @for g in &groups {
                         tr {
                             td.n { (g.ids.len()) }
-                            td { (stage_words(g.stage)) }
-                            td { (ticked(g.example)) }
+                            td { (words::refusal::refused_by(g.first.by())) }
+                            td { (ticked(&words::refusal::refusal(g.first))) }
                             td {
                                 (g.ids.iter().take(8).copied().collect::<Vec<_>>().join(", "))
                                 @if g.ids.len() > 8 { ", and " (g.ids.len() - 8) " more" }
@@ -286,17 +284,6 @@ pub(super) fn infeasible(view: &View) -> Markup {
                 }
             }
         }
-    }
-}
-
-fn stage_words(stage: &str) -> &str {
-    match stage {
-        "path" => "limits of the path",
-        "robot" => "the robot",
-        "obstacle" => "an obstacle",
-        "worker" => "the worker's reach",
-        "person" => "the distance to the person",
-        other => other,
     }
 }
 

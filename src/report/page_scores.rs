@@ -1,10 +1,11 @@
 //! Sections of the page that hold scores as tables: paths compared, body parts, body sizes.
 
 use super::page::ticked;
-use super::view::{View, change, percent, score, state_words};
+use super::view::View;
 use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
 use crate::planner::{BodyScores, CandidateResult, HandMotion, Status};
 use crate::words;
+use crate::words::number::{change, percent, score};
 use maud::{Markup, html};
 
 /// The table of paths.
@@ -91,9 +92,9 @@ fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
             td.n { @if let Some(p) = &c.path { (hand(&p.hand)) } }
             td.n { (percent(b.reach_exceeded)) }
             td {
-                (state_words(&c.status))
+                (words::refusal::state(&c.status))
                 @if let Status::Marked { violations } = &c.status {
-                    @for v in violations { span.small { (ticked(v)) } }
+                    @for v in violations { span.small { (ticked(&words::refusal::refusal(v))) } }
                 }
                 @for b in &c.bought { span.small { "not the best: " (words::paths::bought(b)) } }
             }

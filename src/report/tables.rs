@@ -51,10 +51,10 @@ pub(super) fn candidates(view: &View) -> Result<Vec<u8>, ReportError> {
 fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<String> {
     let number =
         |v: Option<f64>| v.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string());
-    let (state, reason) = match &c.status {
-        Status::Feasible => ("feasible", String::new()),
-        Status::Marked { violations } => ("marked", violations.join("; ")),
-        Status::Infeasible { stage, reason } => ("infeasible", format!("{stage}: {reason}")),
+    let state = match &c.status {
+        Status::Feasible => "feasible",
+        Status::Marked { .. } => "marked",
+        Status::Infeasible { .. } => "infeasible",
     };
     let evaluated = match c.evaluated {
         Evaluated::None => "none",
@@ -93,7 +93,7 @@ fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<String> {
         number(hand.map(|h| h.speed_m_s)),
         number(hand.and_then(|h| h.acceleration_m_s2)),
         why.join("; "),
-        reason,
+        words::refusal::reason(&c.status, &c.changes),
     ]);
     row
 }

@@ -6,6 +6,7 @@ use crate::human::{Body, Side};
 use crate::planner::{Request, load_preset, plan};
 use crate::posture::{save_model, simulated_operator};
 use crate::scenario::read_scenario;
+use crate::words::number;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -307,12 +308,12 @@ fn numbers_of_the_page_are_those_of_the_result() {
             assert!(row.contains(&shown), "{id} {score} {value} {shown}");
             seen += 1;
         }
-        let shown = view::percent(body["rula"]["high_band"][0].as_f64().unwrap());
+        let shown = crate::words::number::percent(body["rula"]["high_band"][0].as_f64().unwrap());
         assert!(row.contains(&shown.replace('<', "&lt;").replace('>', "&gt;")), "{id} {shown}");
     }
     assert!(seen >= 15);
     for check in result["candidates"][0]["path"]["checks"].as_array().unwrap() {
-        assert!(page.contains(&view::value(check["value"].as_f64().unwrap())), "{check}");
+        assert!(page.contains(&number::value(check["value"].as_f64().unwrap())), "{check}");
     }
     for input in result["provenance"]["inputs"].as_array().unwrap() {
         assert!(page.contains(input[1].as_str().unwrap()));

@@ -2,9 +2,8 @@
 //! families, numbers as text.
 
 use crate::ergonomics::{PairedDifference, ScoringMethod};
-use crate::path::{Family, Quantity};
+use crate::path::Family;
 use crate::planner::{BodyScores, CandidateResult, Decision, Evaluated, RunResult, Status};
-pub(super) use crate::words::number::{capital, change, percent, score, value};
 pub(super) use crate::words::paths::family as family_words;
 
 /// The paths of a result in the roles in which they are shown.
@@ -76,38 +75,4 @@ impl<'a> View<'a> {
 /// The body that is worst in the objective.
 pub(super) fn worst_body(candidate: &CandidateResult) -> Option<&BodyScores> {
     candidate.bodies.iter().max_by(|a, b| a.objective.total_cmp(&b.objective))
-}
-
-/// A path's state in words.
-pub(super) fn state_words(status: &Status) -> &'static str {
-    match status {
-        Status::Feasible => "kept",
-        Status::Marked { .. } => "over a limit",
-        Status::Infeasible { .. } => "not feasible",
-    }
-}
-
-/// A quantity's name and unit.
-pub(super) fn quantity_words(quantity: Quantity) -> (&'static str, &'static str) {
-    match quantity {
-        Quantity::Speed => ("speed of the tool", "m/s"),
-        Quantity::Acceleration => ("acceleration", "m/s²"),
-        Quantity::Jerk => ("jerk, largest component", "m/s³"),
-        Quantity::Workspace => ("distance outside the workspace box (negative: inside)", "m"),
-        Quantity::AngularSpeed => ("angular speed", "rad/s"),
-        Quantity::AngularAcceleration => ("angular acceleration", "rad/s²"),
-        Quantity::Rest => ("speed at start and goal (at rest)", "m/s"),
-        Quantity::Continuity => ("largest jump between steps", "SI"),
-        Quantity::KeepOut => ("depth inside an obstacle's clearance (negative: clear)", "m"),
-        Quantity::Corridor => ("distance outside the corridor (negative: inside)", "m"),
-        Quantity::Reach => ("distance outside a hand's reach (negative: inside)", "m"),
-        Quantity::JointSpeed => ("robot joint speed, share of its limit", ""),
-        Quantity::JointAcceleration => ("robot joint acceleration, share of its limit", ""),
-        Quantity::JointRange => ("robot joint beyond its range (negative: inside)", "rad"),
-        Quantity::Tracking => ("robot beside the path, between knots too", "m"),
-        Quantity::Equality => ("projection: residual of the equalities", ""),
-        Quantity::Cone => ("projection: distance from the cones", ""),
-        Quantity::Stationarity => ("projection: gradient at the optimum", ""),
-        Quantity::Complementarity => ("projection: duality gap", ""),
-    }
 }

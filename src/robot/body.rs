@@ -7,6 +7,7 @@ use super::description::{Robot, tips};
 use crate::kinematics::{Frames, JointKind, Linkage, LinkageError, Model, Shape};
 use crate::math::{Pose, Vec3};
 use nalgebra::{Matrix3, Matrix6, Matrix6xX};
+use serde::{Deserialize, Serialize};
 
 /// Length by which a rotation counts as a displacement, m: about half a forearm.
 pub(super) const ROTATION_SCALE_M: f64 = 0.3;
@@ -58,7 +59,7 @@ pub struct Capsule<'r> {
 }
 
 /// The smallest distance between a robot and obstacles.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Nearest {
     /// Distance, m; zero or below when touching.
     pub distance_m: f64,

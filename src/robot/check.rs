@@ -10,20 +10,22 @@
 use super::body::{Nearest, min_singular_value};
 use super::collide::SelfNearest;
 use super::description::Robot;
-use std::fmt;
+use crate::files::null_as_nan;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Share of a limit by which rounding may exceed it.
 const ROUNDING: f64 = 1e-9;
 
 /// Where along a path a joint is at its worst.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Extreme {
     /// Name of the joint.
     pub joint: String,
     /// When, s.
     pub time_s: f64,
     /// Share of a limit (1 is at the limit), or the distance to a limit (rad or m).
+    #[serde(deserialize_with = "null_as_nan")]
     pub value: f64,
 }
 
@@ -61,7 +63,8 @@ pub struct RobotMotion {
 }
 
 /// Which limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LimitKind {
     /// Range of positions.
     Position,
@@ -71,8 +74,8 @@ pub enum LimitKind {
     Acceleration,
 }
 
-/// A broken limit: the worst of one joint and kind. Its text is a sentence.
-#[derive(Debug, Clone, PartialEq)]
+/// A broken limit: the worst of one joint and kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Violation {
     /// Which limit.
     pub kind: LimitKind,
@@ -90,28 +93,66 @@ pub struct Violation {
     pub is_assumed: bool,
 }
 
-impl fmt::Display for Violation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let length = if self.is_prismatic { "m" } else { "rad" };
-        let (does, unit) = match self.kind {
-            LimitKind::Position => ("would stand at", ""),
-            LimitKind::Velocity => ("would move at", "/s"),
-            LimitKind::Acceleration => ("would accelerate at", "/s^2"),
-        };
-        let Self { joint, time_s, value, limit, .. } = self;
-        let assumed = if self.is_assumed { " (assumed)" } else { "" };
-        write!(
-            f,
-            "joint `{joint}` {does} {value:.4} {length}{unit} at t = {time_s:.2} s; \
-             its limit is {limit:.4} {length}{unit}{assumed}"
-        )
-    }
+/// Why poses or postures over time are no path.
+#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum PathError {
+    /// No knots, or not as many times.
+    #[error("the path has {knots} knots and {times} times")]
+    Count {
+        /// Poses or postures.
+        knots: usize,
+        /// Times.
+        times: usize,
+    },
+    /// A time is no finite number.
+    #[error("time number {number} is not finite")]
+    Time {
+        /// From 1.
+        number: usize,
+    },
+    /// Times that do not rise.
+    #[error("the times do not rise after t = {time_s:.2} s")]
+    NotRising {
+        /// The last one that is in order, s.
+        time_s: f64,
+    },
+    /// A posture for another arm.
+    #[error("posture at t = {time_s:.2} s has {values} values, not {joints}")]
+    Values {
+        /// When, s.
+        time_s: f64,
+        /// Numbers in the posture.
+        values: usize,
+        /// Joints of the arm.
+        joints: usize,
+    },
+    /// A posture that holds a number that is not finite.
+    #[error("the posture at t = {time_s:.2} s is not finite")]
+    Posture {
+        /// When, s.
+        time_s: f64,
+    },
+    /// A pose that holds a number that is not finite.
+    #[error("the TCP pose at t = {time_s:.2} s is not finite")]
+    Pose {
+        /// When, s.
+        time_s: f64,
+    },
 }
 
-/// Why a joint path cannot be checked at all.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{0}")]
-pub struct PathError(pub(super) String);
+impl PathError {
+    /// When, s; 0 if it is not about one moment.
+    pub fn time_s(&self) -> f64 {
+        match self {
+            Self::Count { .. } | Self::Time { .. } => 0.0,
+            Self::NotRising { time_s }
+            | Self::Values { time_s, .. }
+            | Self::Posture { time_s }
+            | Self::Pose { time_s } => *time_s,
+        }
+    }
+}
 
 /// What [`check_joint_path`] finds.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,29 +173,29 @@ pub fn check_joint_path(
     time_s: &[f64],
     q: &[Vec<f64>],
 ) -> Result<PathCheck, PathError> {
-    check_times(time_s, q.len()).map_err(|(why, _)| PathError(why))?;
-    for (posture, t) in q.iter().zip(time_s) {
+    check_times(time_s, q.len())?;
+    for (posture, &time_s) in q.iter().zip(time_s) {
         if posture.len() != robot.dof() {
-            let (n, own) = (posture.len(), robot.dof());
-            return Err(PathError(format!("posture at t = {t:.2} s has {n} values, not {own}")));
+            let (values, joints) = (posture.len(), robot.dof());
+            return Err(PathError::Values { time_s, values, joints });
         }
         if !posture.iter().all(|v| v.is_finite()) {
-            return Err(PathError(format!("the posture at t = {t:.2} s is not finite")));
+            return Err(PathError::Posture { time_s });
         }
     }
     Ok(assess(robot, time_s, q.to_vec()))
 }
 
-/// Why these are no `count` times, and at which time.
-pub(super) fn check_times(time_s: &[f64], count: usize) -> Result<(), (String, f64)> {
+/// Why these are no `count` times.
+pub(super) fn check_times(time_s: &[f64], count: usize) -> Result<(), PathError> {
     if count == 0 || time_s.len() != count {
-        return Err((format!("the path has {count} knots and {} times", time_s.len()), 0.0));
+        return Err(PathError::Count { knots: count, times: time_s.len() });
     }
     if let Some(k) = time_s.iter().position(|t| !t.is_finite()) {
-        return Err((format!("time number {} is not finite", k + 1), 0.0));
+        return Err(PathError::Time { number: k + 1 });
     }
     match time_s.windows(2).find(|w| w[1] <= w[0]) {
-        Some(w) => Err((format!("the times do not rise after t = {:.2} s", w[0]), w[0])),
+        Some(w) => Err(PathError::NotRising { time_s: w[0] }),
         None => Ok(()),
     }
 }
@@ -301,12 +342,12 @@ mod tests {
         assert!(good.motion.qdd_share.value < 1e-9);
 
         let bad = check_joint_path(&robot, &time, &path(4.0)).unwrap();
-        let text: Vec<String> = bad.violations.iter().map(ToString::to_string).collect();
-        assert_eq!(text.len(), 2, "{text:?}");
-        assert!(
-            text.iter().any(|t| t.starts_with("joint `panda_joint2` would move at 4.0000 rad/s"))
-        );
-        assert!(text.iter().any(|t| t.contains("stand at 3.2146 rad") && t.contains("1.7628")));
+        let [range, speed] = &bad.violations[..] else { panic!("{:?}", bad.violations) };
+        assert_eq!((range.kind, range.joint.as_str()), (LimitKind::Position, "panda_joint2"));
+        assert!((range.value - (robot.home[1] + 4.0)).abs() < 1e-9);
+        assert!((range.limit - 1.7628).abs() < 1e-9, "{range:?}");
+        assert_eq!((speed.kind, speed.joint.as_str()), (LimitKind::Velocity, "panda_joint2"));
+        assert!((speed.value - 4.0).abs() < 1e-9 && (speed.limit - 2.175).abs() < 1e-9);
         assert!(bad.motion.position_margin.value < -1.0);
     }
 
@@ -323,22 +364,24 @@ mod tests {
         let check = check_joint_path(&robot, &time, &q).unwrap();
         assert_eq!(check.violations.len(), 1);
         let v = &check.violations[0];
-        assert!((v.value - 6.0).abs() < 1e-9 && v.kind == LimitKind::Acceleration, "{v}");
-        assert!(v.to_string().contains("(assumed)"));
+        assert!((v.value - 6.0).abs() < 1e-9 && v.kind == LimitKind::Acceleration, "{v:?}");
+        assert!(v.is_assumed);
     }
 
     #[test]
-    fn malformed_paths_are_refused_in_words() {
+    fn malformed_paths_are_refused() {
         let robot = Robot::preset("ur5e").unwrap();
         let home = robot.home.clone();
-        let refusal = |time: &[f64], q: &[Vec<f64>]| {
-            check_joint_path(&robot, time, q).unwrap_err().to_string()
-        };
-        assert!(refusal(&[], &[]).contains("0 knots"));
-        assert!(refusal(&[0.0, 0.0], &[home.clone(), home.clone()]).contains("do not rise"));
-        assert!(refusal(&[0.0], &[vec![0.0; 5]]).contains("has 5 values"));
-        assert!(refusal(&[0.0], &[vec![f64::NAN; 6]]).contains("not finite"));
-        assert!(refusal(&[f64::NAN], std::slice::from_ref(&home)).contains("not finite"));
+        let refusal = |time: &[f64], q: &[Vec<f64>]| check_joint_path(&robot, time, q).unwrap_err();
+        let time_s = 0.0;
+        assert_eq!(refusal(&[], &[]), PathError::Count { knots: 0, times: 0 });
+        let twice = [home.clone(), home.clone()];
+        assert_eq!(refusal(&[0.0, 0.0], &twice), PathError::NotRising { time_s });
+        let short = PathError::Values { time_s, values: 5, joints: 6 };
+        assert_eq!(refusal(&[0.0], &[vec![0.0; 5]]), short);
+        assert_eq!(refusal(&[0.0], &[vec![f64::NAN; 6]]), PathError::Posture { time_s });
+        let timeless = refusal(&[f64::NAN], std::slice::from_ref(&home));
+        assert_eq!(timeless, PathError::Time { number: 1 });
         let one = check_joint_path(&robot, &[0.0], &[home]).unwrap();
         assert!(one.violations.is_empty() && one.motion.qd_share.value.abs() < 1e-12);
     }

@@ -14,6 +14,7 @@ use crate::math::Vec3;
 use crate::math::segment::segment_distance;
 use crate::math::stream::{Purpose, stream};
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Postures sampled, and the share of them in which a pair of links may touch before it counts as
@@ -24,7 +25,7 @@ const ALWAYS: f64 = 0.95;
 const BLOCK: u32 = 1 << 20;
 
 /// Where an arm comes nearest to itself.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SelfNearest {
     /// Signed distance of the two capsules, m; zero or below when touching.
     pub distance_m: f64,
@@ -175,38 +176,6 @@ impl Placer<'_> {
     }
 }
 
-impl Robot {
-    /// What of the arm's collision with itself is checked, in one sentence.
-    pub fn self_collision_note(&self) -> String {
-        let SelfPairs { checked, left_out } = &self.self_pairs;
-        if checked.is_empty() {
-            let why = if self.parts.is_empty() {
-                "the URDF has no collision shapes"
-            } else {
-                "the URDF has shapes on too few links"
-            };
-            return format!("collision of the arm with itself: not checked: {why}");
-        }
-        let mut links: Vec<(&str, &str)> = Vec::new();
-        for &(i, j) in checked {
-            let pair = (self.parts[i].link.as_str(), self.parts[j].link.as_str());
-            if !links.contains(&pair) {
-                links.push(pair);
-            }
-        }
-        let names: Vec<String> = left_out.iter().map(|(a, b)| format!("{a} and {b}")).collect();
-        let rest = if names.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "; left out because their capsules touch in nearly every posture: {}",
-                names.join(", ")
-            )
-        };
-        format!("collision of the arm with itself: {} pairs of links checked{rest}", links.len())
-    }
-}
-
 /// Sets what a motion at times (s) lacks, and how near it comes to itself and to obstacles.
 pub fn measure_room(
     robot: &Robot,
@@ -237,6 +206,7 @@ pub fn self_clearance(robot: &Robot, time_s: &[f64], q: &[Vec<f64>]) -> Option<S
 mod tests {
     use super::super::body::capsules;
     use super::*;
+    use crate::robot::{NotChecked, SelfCheck};
 
     fn nearest(robot: &Robot, q: &[f64]) -> SelfNearest {
         self_clearance(robot, &[0.0], &[q.to_vec()]).unwrap()
@@ -290,11 +260,9 @@ mod tests {
         assert!(has("panda_link1", "panda_hand") && has("panda_link5", "panda_hand"));
         assert!(!has("panda_link1", "panda_link2") && !has("panda_link7", "panda_hand"));
         assert!(!has("panda_link5", "panda_link7") && !has("panda_link1", "panda_link3"));
-        let note = robot.self_collision_note();
-        assert!(
-            note.contains("21 pairs") && note.contains("panda_link5 and panda_link7"),
-            "{note}"
-        );
+        let check = robot.self_check();
+        let SelfCheck::Checked { pairs: 21, left_out } = &check else { panic!("{check:?}") };
+        assert!(left_out.contains(&["panda_link5".to_owned(), "panda_link7".to_owned()]));
     }
 
     #[test]
@@ -304,8 +272,8 @@ mod tests {
             <origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint></robot>"#;
         let file = std::path::Path::new("one.urdf");
         let robot = Robot::from_text(file, text, "base", "arm").unwrap();
-        let note = robot.self_collision_note();
-        assert!(note.ends_with("not checked: the URDF has no collision shapes"), "{note}");
+        let why = NotChecked::NoShapes;
+        assert_eq!(robot.self_check(), SelfCheck::NotChecked { why });
         assert!(self_clearance(&robot, &[0.0], &[vec![0.0]]).is_none());
     }
 }

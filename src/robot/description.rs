@@ -1,18 +1,56 @@
 //! What is known about a robot arm: kinematics, limits, place in the world and shape.
 
 use super::body::{Part, mark_wrist};
+use super::check::LimitKind;
 use super::collide::SelfPairs;
 use crate::files::{InputError, read_text, suggest};
 use crate::kinematics::{Linkage, LinkageError, Model, Tip, parse_urdf};
 use crate::math::Pose;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Stand-ins where a file gives no limit: turning joints (rad), sliding joints (m).
 const STAND_IN_VELOCITY: (f64, f64) = (PI / 2.0, 0.25);
 const STAND_IN_ACCELERATION: (f64, f64) = (PI, 1.0);
-/// Links named in a note before it says "and more".
-const MOST_NAMED: usize = 8;
+
+/// Something about a robot that is a stand-in or from memory.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "assumed", rename_all = "snake_case")]
+pub enum Assumed {
+    /// As the description of a preset says.
+    Declared {
+        /// In a sentence.
+        text: String,
+    },
+    /// Limits of joints.
+    Limits {
+        /// The robot.
+        robot: String,
+        /// Which limits.
+        of: LimitKind,
+        /// Names of the joints.
+        joints: Vec<String>,
+    },
+}
+
+/// A remark about a robot's description.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "note", rename_all = "snake_case")]
+pub enum RobotNote {
+    /// What was odd about the file, as its reader says.
+    File {
+        /// In a sentence.
+        text: String,
+    },
+    /// Links without a simple collision shape, which clearance cannot see.
+    Shapeless {
+        /// Their names.
+        links: Vec<String>,
+        /// Collision meshes on them, which are not read.
+        meshes: usize,
+    },
+}
 
 /// Limits of the n joints from base to TCP; all vectors have length n.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,8 +117,8 @@ pub struct Robot {
     pub home: Vec<f64>,
     /// World from base link.
     pub base: Pose,
-    /// Remarks about the description, one sentence each.
-    pub notes: Vec<String>,
+    /// Remarks about the description.
+    pub notes: Vec<RobotNote>,
     /// Where the numbers come from.
     pub sources: Vec<String>,
     pub(super) declared: Vec<String>,
@@ -88,6 +126,8 @@ pub struct Robot {
     /// Positions of the skeleton's joints that are not between base and TCP.
     pub(super) held: Vec<f64>,
     pub(super) parts: Vec<Part>,
+    /// Collision meshes of the links below the base.
+    pub(super) meshes: usize,
     pub(super) self_pairs: SelfPairs,
     pub(super) file: PathBuf,
 }
@@ -134,9 +174,11 @@ impl Robot {
         let limits = limits_of(&linkage);
         let middle = |i| limits.middle(i).unwrap_or(0.0);
         let home = (0..linkage.dof()).map(middle).collect();
-        let mut notes = model.warnings.clone();
-        notes.extend(linkage.warnings.iter().cloned());
+        let odd = model.warnings.iter().chain(&linkage.warnings).cloned();
+        let mut notes: Vec<RobotNote> = odd.map(|text| RobotNote::File { text }).collect();
         notes.extend(shapeless_note(&model, base, &parts));
+        let below = model.links.iter().filter(|l| Linkage::chain(&model, base, &l.name).is_ok());
+        let meshes = below.map(|l| l.meshes).sum();
         let mut robot = Self {
             name: model.name.clone(),
             linkage,
@@ -149,6 +191,7 @@ impl Robot {
             skeleton,
             held,
             parts,
+            meshes,
             self_pairs: SelfPairs::default(),
             file: path.to_owned(),
         };
@@ -167,19 +210,18 @@ impl Robot {
         self.linkage.joints().iter().map(|j| j.name.as_str())
     }
 
-    /// Everything that is a stand-in or from memory, one sentence each; what has been set since is
-    /// left out.
-    pub fn assumed(&self) -> Vec<String> {
-        let mut all = self.declared.clone();
-        for (what, flags) in [
-            ("velocity", &self.limits.velocity_assumed),
-            ("acceleration", &self.limits.acceleration_assumed),
+    /// Everything that is a stand-in or from memory; what has been set since is left out.
+    pub fn assumed(&self) -> Vec<Assumed> {
+        let declared = self.declared.iter().cloned();
+        let mut all: Vec<Assumed> = declared.map(|text| Assumed::Declared { text }).collect();
+        for (of, flags) in [
+            (LimitKind::Velocity, &self.limits.velocity_assumed),
+            (LimitKind::Acceleration, &self.limits.acceleration_assumed),
         ] {
-            let names: Vec<&str> =
-                self.joint_names().zip(flags).filter(|(_, f)| **f).map(|(n, _)| n).collect();
-            if !names.is_empty() {
-                let (name, joints) = (&self.name, names.join(", "));
-                all.push(format!("{name}: the {what} limits of {joints} are stand-ins"));
+            let assumed = self.joint_names().zip(flags).filter(|(_, f)| **f);
+            let joints: Vec<String> = assumed.map(|(name, _)| name.to_owned()).collect();
+            if !joints.is_empty() {
+                all.push(Assumed::Limits { robot: self.name.clone(), of, joints });
             }
         }
         all
@@ -268,23 +310,18 @@ fn link_names(model: &Model) -> String {
 }
 
 /// Which links below the base clearance cannot see, because their shapes are missing or meshes.
-fn shapeless_note(model: &Model, base: &str, parts: &[Part]) -> Option<String> {
+fn shapeless_note(model: &Model, base: &str, parts: &[Part]) -> Option<RobotNote> {
     let is_bare = |name: &str| !parts.iter().any(|p| p.link == name);
     // A link without mass is a frame and needs no shape.
-    let mut bare: Vec<&str> = model
+    let bare: Vec<_> = model
         .links
         .iter()
         .filter(|l| l.mass_kg > 0.0 && is_bare(&l.name))
-        .map(|l| l.name.as_str())
-        .filter(|name| Linkage::chain(model, base, name).is_ok())
+        .filter(|l| Linkage::chain(model, base, &l.name).is_ok())
         .collect();
-    let more = bare.len().saturating_sub(MOST_NAMED);
-    bare.truncate(MOST_NAMED);
-    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    (!bare.is_empty()).then(|| {
-        let names = bare.join(", ");
-        format!("no simple collision shape, so left out of clearance: {names}{rest}")
-    })
+    let links: Vec<String> = bare.iter().map(|l| l.name.clone()).collect();
+    let meshes = bare.iter().map(|l| l.meshes).sum();
+    (!links.is_empty()).then_some(RobotNote::Shapeless { links, meshes })
 }
 
 /// Tips of the skeleton for these links.
@@ -300,12 +337,16 @@ mod tests {
     #[test]
     fn limits_are_overridden_by_name_and_no_longer_assumed() {
         let mut robot = Robot::preset("ur5e").unwrap();
-        assert!(robot.assumed().iter().any(|a| a.contains("acceleration limits of shoulder_pan")));
+        let of_acceleration = |robot: &Robot| {
+            let all = robot.assumed().into_iter();
+            all.filter(|a| matches!(a, Assumed::Limits { of: LimitKind::Acceleration, .. })).count()
+        };
+        assert_eq!(of_acceleration(&robot), 1);
         let names: Vec<String> = robot.joint_names().map(str::to_owned).collect();
         for name in &names {
             robot.set_acceleration_limit(name, 5.0).unwrap();
         }
-        assert!(!robot.assumed().iter().any(|a| a.contains("acceleration")));
+        assert_eq!(of_acceleration(&robot), 0);
         robot.set_velocity_limit("elbow_joint", 1.0).unwrap();
         robot.set_position_limit("elbow_joint", -1.0, 1.0).unwrap();
         assert_eq!((robot.limits.velocity[2], robot.home[2]), (1.0, 1.0));
@@ -321,8 +362,10 @@ mod tests {
             <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/>
             <origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint></robot>"#;
         let robot = Robot::from_text(Path::new("one.urdf"), text, "base", "arm").unwrap();
-        let all = robot.assumed().join(" | ");
-        assert!(all.contains("velocity limits of turn") && all.contains("acceleration"), "{all}");
+        let stand_ins =
+            |of| Assumed::Limits { robot: "one".to_owned(), of, joints: vec!["turn".to_owned()] };
+        let both = [LimitKind::Velocity, LimitKind::Acceleration].map(stand_ins);
+        assert_eq!(robot.assumed(), both);
         let error = Robot::from_text(Path::new("one.urdf"), text, "base", "arn").unwrap_err();
         assert_eq!(error.help().unwrap().to_string(), "did you mean `arm`?");
         assert!(Robot::from_text(Path::new("one.urdf"), text, "arm", "arm").is_err());

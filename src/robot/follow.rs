@@ -6,17 +6,18 @@
 //! the null space, and on request by the global choice of [`super::resolve`].
 
 use super::body::min_singular_value;
-use super::check::{PathCheck, RobotMotion, assess, check_times};
+use super::check::{PathCheck, PathError, RobotMotion, assess, check_times};
 use super::clearance::Obstacle;
 use super::collide::random_posture;
 use super::description::Robot;
 use super::ease::Ease;
 use super::grade::Judge;
 use super::ik::{Residual, Solver};
+use super::refusal::{AtLimit, NoMotion};
 use super::resolve::resolve;
 use super::track::{Track, track, track_eased};
+use crate::kinematics::JointLimit;
 use crate::math::Pose;
-use std::fmt::Write as _;
 
 /// Postures that differ by less in every joint count as the same start, rad or m.
 const DISTINCT: f64 = 0.3;
@@ -70,10 +71,8 @@ pub enum Follow {
     Feasible(RobotMotion),
     /// It cannot.
     Infeasible {
-        /// One sentence: joint, time, value and limit, or the pose that is out of reach.
-        reason: String,
-        /// When, s; 0 if the path itself is malformed.
-        time_s: f64,
+        /// Why not.
+        why: NoMotion,
     },
 }
 
@@ -147,8 +146,8 @@ pub fn follow(robot: &Robot, time_s: &[f64], poses: &[Pose], settings: &FollowSe
     let starts = start_postures(robot, &poses[0], settings);
     if starts.postures.is_empty() {
         let residual = Residual { m: starts.residual_m, rad: starts.residual_rad };
-        let reason = out_of_reach(robot, time_s[0], &starts.nearest, &residual);
-        return Follow::Infeasible { reason, time_s: time_s[0] };
+        let why = out_of_reach(robot, time_s[0], &starts.nearest, &residual);
+        return Follow::Infeasible { why };
     }
     follow_from(robot, time_s, poses, &starts.postures, settings)
 }
@@ -182,15 +181,15 @@ pub fn follow_from(
             search.note(motion);
         }
     }
-    match (search.best, search.touching, search.too_hard, search.farthest) {
+    let touching = search.touching.as_ref().and_then(RobotMotion::self_collision).cloned();
+    match (search.best, touching, search.too_hard, search.farthest) {
         (Some(motion), ..) => Follow::Feasible(motion),
-        (None, Some(motion), ..) => touches_itself(&motion),
-        (None, None, Some(check), _) => too_hard_because(robot, time_s, &check),
-        (None, None, None, Some(track)) => stopped_because(robot, time_s, poses, &track, settings),
-        (None, None, None, None) => {
-            let reason = "no start posture with one number per joint is given".to_owned();
-            Follow::Infeasible { reason, time_s: time_s[0] }
+        (None, Some(nearest), ..) => {
+            Follow::Infeasible { why: NoMotion::TouchesItself { nearest } }
         }
+        (None, None, Some(check), _) => too_hard_because(robot, time_s, check),
+        (None, None, None, Some(track)) => stopped_because(robot, time_s, poses, &track, settings),
+        (None, None, None, None) => Follow::Infeasible { why: NoMotion::NoStart },
     }
 }
 
@@ -293,39 +292,30 @@ impl<'r> Search<'r> {
     }
 }
 
-fn touches_itself(motion: &RobotMotion) -> Follow {
-    let time_s = motion.self_nearest.as_ref().map_or(0.0, |n| n.time_s);
-    let reason = motion.self_collision().unwrap_or_default();
-    Follow::Infeasible { reason, time_s }
-}
-
 fn is_finite(pose: &Pose) -> bool {
     pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|v| v.is_finite())
 }
 
 fn malformed(time_s: &[f64], poses: &[Pose]) -> Option<Follow> {
-    if let Err((reason, time_s)) = check_times(time_s, poses.len()) {
-        return Some(Follow::Infeasible { reason, time_s });
+    let refusal = |fault| Follow::Infeasible { why: NoMotion::Malformed { fault } };
+    if let Err(fault) = check_times(time_s, poses.len()) {
+        return Some(refusal(fault));
     }
     let k = poses.iter().position(|p| !is_finite(p))?;
-    let reason = format!("the TCP pose at t = {:.2} s is not finite", time_s[k]);
-    Some(Follow::Infeasible { reason, time_s: time_s[k] })
+    Some(refusal(PathError::Pose { time_s: time_s[k] }))
 }
 
 /// The whole path was tracked, but a limit is broken.
-fn too_hard_because(robot: &Robot, time_s: &[f64], check: &PathCheck) -> Follow {
-    let worst = &check.violations[0];
-    let mut reason = worst.to_string();
+fn too_hard_because(robot: &Robot, time_s: &[f64], mut check: PathCheck) -> Follow {
+    let worst = check.violations.swap_remove(0);
     let near = time_s.iter().zip(&check.motion.q).filter(|(t, _)| {
         // The knots on either side of the worst moment.
         let step = time_s.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
         (**t - worst.time_s).abs() <= step
     });
     let sigma = near.map(|(_, q)| min_singular_value(robot, q)).fold(f64::INFINITY, f64::min);
-    if sigma < NEARLY_SINGULAR {
-        reason.push_str("; the arm is nearly singular there");
-    }
-    Follow::Infeasible { reason, time_s: worst.time_s }
+    let is_nearly_singular = sigma < NEARLY_SINGULAR;
+    Follow::Infeasible { why: NoMotion::OverLimit { violation: worst, is_nearly_singular } }
 }
 
 /// Tracking stopped: is the pose out of reach, or only out of reach from where the arm comes?
@@ -345,42 +335,30 @@ fn stopped_because(
         None => (starts.nearest.as_slice(), Residual { m: 0.0, rad: 0.0 }),
     };
     let cold = Residual { m: starts.residual_m, rad: starts.residual_rad };
-    let reason = if !starts.postures.is_empty() {
-        format!(
-            "the TCP pose at t = {t:.2} s cannot be reached without a jump from the posture \
-             before it{}",
-            at_limits(robot, stopped)
-        )
+    let why = if !starts.postures.is_empty() {
+        NoMotion::Jump { time_s: t, at_limits: at_limits(robot, stopped) }
     } else if cold.size() < left.size() {
         out_of_reach(robot, t, &starts.nearest, &cold)
     } else {
         out_of_reach(robot, t, stopped, &left)
     };
-    Follow::Infeasible { reason, time_s: t }
+    Follow::Infeasible { why }
 }
 
-fn out_of_reach(robot: &Robot, t: f64, q: &[f64], left: &Residual) -> String {
-    let turn = left.rad.to_degrees();
-    let limits = at_limits(robot, q);
-    format!(
-        "the TCP pose at t = {t:.2} s is out of reach \
-         (nearest {:.3} m and {turn:.1} deg off{limits})",
-        left.m
-    )
+fn out_of_reach(robot: &Robot, time_s: f64, q: &[f64], left: &Residual) -> NoMotion {
+    let (residual_m, residual_rad) = (left.m, left.rad);
+    NoMotion::OutOfReach { time_s, residual_m, residual_rad, at_limits: at_limits(robot, q) }
 }
 
-/// ", joint `x` at its limit 1.76 rad" for each joint that stands at a limit.
-fn at_limits(robot: &Robot, q: &[f64]) -> String {
-    let mut text = String::new();
-    for (i, joint) in robot.linkage.joints().iter().enumerate() {
-        let unit = if joint.is_prismatic { "m" } else { "rad" };
-        for limit in [robot.limits.lower[i], robot.limits.upper[i]] {
-            if (q[i] - limit).abs() < AT_LIMIT {
-                let _ = write!(text, ", joint `{}` at its limit {limit:.4} {unit}", joint.name);
-            }
-        }
-    }
-    text
+/// The joints that stand at a limit.
+fn at_limits(robot: &Robot, q: &[f64]) -> Vec<AtLimit> {
+    let of = |(i, joint): (usize, &JointLimit)| {
+        let ends = [robot.limits.lower[i], robot.limits.upper[i]].into_iter();
+        let near = ends.filter(move |limit| (q[i] - limit).abs() < AT_LIMIT);
+        let (joint, is_prismatic) = (joint.name.clone(), joint.is_prismatic);
+        near.map(move |limit| AtLimit { joint: joint.clone(), limit, is_prismatic })
+    };
+    robot.linkage.joints().iter().enumerate().flat_map(of).collect()
 }
 
 #[cfg(test)]

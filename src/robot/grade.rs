@@ -117,15 +117,8 @@ impl RobotMotion {
         self.strain + self.lacking
     }
 
-    /// Why the arm hits itself, if it does.
-    pub fn self_collision(&self) -> Option<String> {
-        let near = self.self_nearest.as_ref().filter(|n| n.distance_m <= 0.0)?;
-        Some(format!(
-            "the arm would touch itself at t = {:.2} s: link `{}` and link `{}` overlap by {:.0} mm",
-            near.time_s,
-            near.links[0],
-            near.links[1],
-            -1e3 * near.distance_m
-        ))
+    /// Where the arm hits itself, if it does.
+    pub fn self_collision(&self) -> Option<&SelfNearest> {
+        self.self_nearest.as_deref().filter(|n| n.distance_m <= 0.0)
     }
 }

@@ -3,6 +3,8 @@
 use super::cell::{alternative, input};
 use super::number::{percent, score};
 use super::paths::{bought, named};
+use super::refusal;
+use super::robot;
 use super::verdict::lower;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::planner::{Figure, Finding, RunResult, Status, Subject, Why};
@@ -73,9 +75,8 @@ fn not_checked(subject: Subject, why: Why) -> String {
         Subject::Acceleration => "the acceleration of the tool",
     };
     let why = match why {
-        Why::NoShapes => "the robot's description has no collision shapes that ergopath can use",
-        Why::NoMotion => "no robot motion along this path is known",
-        Why::TooFewRows => "the file has too few rows",
+        Why::Robot(why) => robot::not_checked(why),
+        Why::TooFewRows => "the file has too few rows".to_owned(),
     };
     format!("Not checked: {subject} ({why}).")
 }
@@ -125,7 +126,7 @@ fn assumption(result: &RunResult, index: usize, then: f64) -> String {
 fn breaks_limits(result: &RunResult, path: &str) -> String {
     let found = result.candidates.iter().find(|c| c.id == path);
     let violations = match found.map(|c| &c.status) {
-        Some(Status::Marked { violations }) => violations.join("; "),
+        Some(Status::Marked { violations }) => refusal::all(violations),
         _ => String::new(),
     };
     format!("`{path}` exceeds limits: {violations}.")

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::math::Pose;
-use crate::path::{Quantity, verify};
+use crate::path::{Cause, Quantity, verify};
 use crate::robot::start_postures;
 use crate::trajectory::minimum_jerk_line;
 
@@ -71,9 +71,11 @@ fn what_the_robot_cannot_do_says_how_much_longer_it_takes() {
     robot.set_velocity_limit(&joint, 0.3 * peak).unwrap();
     let followed = run(&robot, offset, 1.5);
     let Followed::NoMotion { refusal, .. } = followed else { panic!("{followed:?}") };
-    let Projection::Infeasible { cause, reason, changes } = refusal else { panic!() };
-    assert_eq!(cause, Cause::Robot);
-    assert!(reason.contains(&joint), "{reason}");
+    let Projection::Infeasible { why, changes } = refusal else { panic!() };
+    assert_eq!(why.cause(), Cause::Robot);
+    let NoPath::NoMotion { motion } = why else { panic!("{why:?}") };
+    let NoMotion::OverLimit { violation, .. } = motion else { panic!("{motion:?}") };
+    assert_eq!(violation.joint, joint);
     let longer = changes.iter().find_map(|c| match c {
         Change::Duration { to_s, .. } => Some(*to_s),
         _ => None,
@@ -89,7 +91,7 @@ fn a_goal_beyond_the_arm_says_how_far() {
     let Followed::NoMotion { refusal, .. } = run(&robot, Vec3::new(0.8, 0.0, 0.0), 3.0) else {
         panic!()
     };
-    let Projection::Infeasible { reason, changes, .. } = refusal else { panic!() };
-    let Some(Change::RobotReach { by_m, at_s }) = changes.first() else { panic!("{reason}") };
+    let Projection::Infeasible { why, changes } = refusal else { panic!() };
+    let Some(Change::RobotReach { by_m, at_s }) = changes.first() else { panic!("{why:?}") };
     assert!(*by_m > 0.1 && *by_m < 0.8 && *at_s > 2.0, "{by_m} {at_s}");
 }

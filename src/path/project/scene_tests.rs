@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::path::{
-    CandidateSettings, Condition, Order, Reach, candidates, reference_path, smallest_changes,
-    verify, verify_optimality, verify_scene,
+    CandidateSettings, Cause, Condition, End, Order, Quantity, Reach, candidates, reference_path,
+    smallest_changes, verify, verify_optimality, verify_scene,
 };
 use crate::robot::Obstacle;
 use approx::assert_relative_eq;
@@ -48,9 +48,9 @@ fn assert_kept(projection: &Projection, reference: &TimedPath, limits: &PathLimi
     }
 }
 
-fn refused(projection: Projection) -> (Cause, String, Vec<Change>) {
+fn refused(projection: Projection) -> (NoPath, Vec<Change>) {
     match projection {
-        Projection::Infeasible { cause, reason, changes } => (cause, reason, changes),
+        Projection::Infeasible { why, changes } => (why, changes),
         Projection::Feasible { .. } => panic!("feasible"),
     }
 }
@@ -93,8 +93,9 @@ fn an_obstacle_without_a_way_is_named_with_how_much_smaller_it_would_have_to_be(
     let obstacles = [block(0.25), ("ceiling".to_owned(), ceiling)];
     let scene = Scene { obstacles: &obstacles, ..Scene::default() };
     let limits = PathLimits::default();
-    let (cause, reason, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &scene));
-    assert_eq!(cause, Cause::Obstacle, "{reason}");
+    let (why, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &scene));
+    let NoPath::Blocked { obstacle, clearance_m: 0.03, .. } = &why else { panic!("{why:?}") };
+    assert!(obstacle == "block" || obstacle == "ceiling", "{why:?}");
     let smaller: Vec<f64> = changes
         .iter()
         .filter_map(|c| match c {
@@ -102,12 +103,11 @@ fn an_obstacle_without_a_way_is_named_with_how_much_smaller_it_would_have_to_be(
             _ => None,
         })
         .collect();
-    assert!(!smaller.is_empty(), "{reason}");
+    assert!(!smaller.is_empty(), "{why:?}");
     for by in smaller {
         // Never too little; a little more for the linearisation about the corners.
         assert!((0.04 - 1e-5..0.041).contains(&by), "{by}");
     }
-    assert!(reason.contains("`block`") || reason.contains("`ceiling`"), "{reason}");
     // What is named is enough.
     let slimmer = PathLimits { clearance_m: 0.0099, ..limits };
     let reference = named(0, 0.4, 5.0);
@@ -116,11 +116,14 @@ fn an_obstacle_without_a_way_is_named_with_how_much_smaller_it_would_have_to_be(
     let inside = Obstacle::Sphere { center: Vec3::new(0.5, 0.2, 1.03), radius: 0.05 };
     let obstacles = [("ball".to_owned(), inside)];
     let scene = Scene { obstacles: &obstacles, ..Scene::default() };
-    let (cause, reason, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &scene));
-    assert_eq!(cause, Cause::Obstacle);
-    assert!(reason.contains("goal inside obstacle `ball`, 20 mm deep"), "{reason}");
+    let (why, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &scene));
+    assert_eq!(why.cause(), Cause::Obstacle);
+    let NoPath::InsideObstacle { end: End::Goal, obstacle, depth_m } = &why else {
+        panic!("{why:?}")
+    };
+    assert!(obstacle == "ball" && (depth_m - 0.02).abs() < 1e-9, "{why:?}");
     let Change::MoveEnd { end, by_m, to_m } = &changes[0] else { panic!("{changes:?}") };
-    assert_eq!(*end, "goal");
+    assert_eq!(*end, End::Goal);
     assert_relative_eq!(*by_m, 0.02, epsilon = 1e-9);
     assert_relative_eq!(inside.signed_distance(to_m), 0.0, epsilon = 1e-9);
 }
@@ -144,13 +147,13 @@ fn corridor_and_reach_bend_the_path_or_are_named() {
     let scene = Scene::default();
     let reference = named(0, 0.8, 4.0);
     let tight = PathLimits { corridor_m: Some(0.005), ..limits };
-    let (cause, reason, changes) = refused(within(&reference, &tight, &scene));
-    assert_eq!(cause, Cause::Corridor, "{reason}");
-    let Some(Change::WidenCorridor { to_m, .. }) = changes.first() else { panic!("{reason}") };
+    let (why, changes) = refused(within(&reference, &tight, &scene));
+    assert!(matches!(why, NoPath::Corridor { .. }), "{why:?}");
+    let Some(Change::WidenCorridor { to_m, .. }) = changes.first() else { panic!("{why:?}") };
     let enough = PathLimits { corridor_m: Some(to_m * 1.01), ..limits };
     assert_kept(&within(&reference, &enough, &scene), &reference, &enough, &scene);
     let short = PathLimits { corridor_m: Some(to_m * 0.98), ..limits };
-    assert_eq!(refused(within(&reference, &short, &scene)).0, Cause::Corridor);
+    assert_eq!(refused(within(&reference, &short, &scene)).0.cause(), Cause::Corridor);
 
     let reach = |height: f64, radius_m: f64| {
         [Reach { body: "she".to_owned(), center: Vec3::new(0.5, 0.0, height), radius_m }]
@@ -165,10 +168,10 @@ fn corridor_and_reach_bend_the_path_or_are_named() {
     assert_kept(&within(&lifted, &limits, &scene), &lifted, &limits, &scene);
     let reaches = reach(0.9, 0.2);
     let scene = Scene { reaches: &reaches, ..Scene::default() };
-    let (cause, reason, _) = refused(within(&lifted, &limits, &scene));
-    assert_eq!(cause, Cause::Reach);
-    // sqrt(0.2^2 + 0.1^2) - 0.2 = 24 mm.
-    assert!(reason.contains("start out of reach of body `she`: 24 mm"), "{reason}");
+    let (why, _) = refused(within(&lifted, &limits, &scene));
+    let NoPath::BeyondReach { end: End::Start, body, by_m } = &why else { panic!("{why:?}") };
+    assert_eq!(body, "she");
+    assert_relative_eq!(*by_m, 0.2f64.hypot(0.1) - 0.2, epsilon = 1e-9);
 }
 
 #[test]
@@ -187,7 +190,7 @@ fn conditions_of_the_robot_are_kept_at_their_knots() {
         .map(|knot| Condition { knot, order: Order::Velocity, normal: Vec3::y(), bound: -0.1 })
         .collect();
     let scene = Scene { conditions: &back, ..Scene::default() };
-    assert_eq!(refused(within(&reference, &limits, &scene)).0, Cause::Robot);
+    assert_eq!(refused(within(&reference, &limits, &scene)).0, NoPath::JointsTooSlow);
 }
 
 #[test]
@@ -208,7 +211,7 @@ fn the_smallest_changes_are_enough_and_smallest() {
                 assert!((3.15..3.3).contains(to_s), "{to_s}");
                 assert!(is_feasible(&limits, *to_s) && !is_feasible(&limits, to_s * 0.99));
             }
-            Change::Limit { name, to, .. } if name == "speed" => {
+            Change::Limit { of: Quantity::Speed, to, .. } => {
                 kinds.push("speed");
                 let with = |v: f64| PathLimits { speed_m_s: v, ..limits };
                 assert!(is_feasible(&with(*to), 3.0) && !is_feasible(&with(to * 0.99), 3.0));
@@ -218,7 +221,7 @@ fn the_smallest_changes_are_enough_and_smallest() {
         }
     }
     assert_eq!(kinds, ["duration", "speed"]);
-    assert!(changes[0].to_string().contains("instead of 3.00 s"), "{}", changes[0]);
+    assert!(matches!(changes[0], Change::Duration { from_s: 3.0, .. }), "{:?}", changes[0]);
     assert!(
         smallest_changes(&named(0, 0.4, 5.0), &limits, &Scene::default(), &settings).is_empty()
     );
@@ -231,11 +234,17 @@ fn a_goal_outside_the_box_says_how_far() {
         max: Vec3::new(0.8, 0.15, 1.2),
     };
     let limits = PathLimits { workspace: Some(inner), ..PathLimits::default() };
-    let (cause, reason, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &Scene::default()));
-    assert_eq!(cause, Cause::Workspace);
-    assert!(reason.contains("goal 50 mm away, at (0.500, 0.150, 1.000) m"), "{reason}");
-    assert!(reason.contains("y <= 0.15 m of the workspace box 50 mm farther out"), "{reason}");
-    assert_eq!(changes.len(), 2);
+    let (why, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &Scene::default()));
+    assert_eq!(why.cause(), Cause::Workspace);
+    let [Change::MoveEnd { end: End::Goal, by_m, to_m }, Change::MoveFace { face, by_m: out_m }] =
+        &changes[..]
+    else {
+        panic!("{changes:?}")
+    };
+    assert_relative_eq!(*by_m, 0.05, epsilon = 1e-9);
+    assert_relative_eq!(*to_m, Vec3::new(0.5, 0.15, 1.0), epsilon = 1e-9);
+    assert_relative_eq!(*out_m, 0.05, epsilon = 1e-9);
+    assert_eq!(*face, inner.face(1, true));
 }
 
 proptest! {
@@ -272,8 +281,9 @@ proptest! {
                         prop_assert!(broken.is_empty(), "{broken:?}");
                     }
                 }
-                Projection::Infeasible { cause, reason, .. } => {
-                    prop_assert!([Cause::Obstacle, Cause::Duration].contains(&cause), "{reason}");
+                Projection::Infeasible { why, .. } => {
+                    let expected = [Cause::Obstacle, Cause::Duration];
+                    prop_assert!(expected.contains(&why.cause()), "{why:?}");
                 }
             }
         }

@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::path::bounds::shortest_straight_s;
-use crate::path::limits::Box3;
 use crate::path::transcription::{Rows, Task};
-use crate::path::{CandidateSettings, Quantity, candidates, reference_path, verify};
+use crate::path::{
+    CandidateSettings, Cause, End, Face, Quantity, candidates, reference_path, verify,
+};
 use crate::qp::{Outcome, solve};
 use crate::trajectory::minimum_jerk_line;
 use approx::assert_relative_eq;
@@ -23,13 +24,13 @@ fn default_project(reference: &TimedPath, limits: &PathLimits) -> Projection {
 fn feasible(projection: Projection) -> (SmoothPath, f64) {
     match projection {
         Projection::Feasible { path, moved_m, .. } => (path, moved_m),
-        Projection::Infeasible { reason, .. } => panic!("{reason}"),
+        Projection::Infeasible { why, .. } => panic!("{why:?}"),
     }
 }
 
-fn refused(projection: Projection) -> (Cause, String) {
+fn refused(projection: Projection) -> NoPath {
     match projection {
-        Projection::Infeasible { cause, reason, .. } => (cause, reason),
+        Projection::Infeasible { why, .. } => why,
         Projection::Feasible { .. } => panic!("feasible"),
     }
 }
@@ -62,11 +63,11 @@ fn a_path_that_is_too_fast_gets_a_flat_speed() {
 #[test]
 fn too_little_time_is_refused_with_the_time_it_takes() {
     let limits = PathLimits::default();
-    let (cause, reason) = refused(default_project(&line(0.7, 1.2), &limits));
-    assert_eq!(cause, Cause::Duration);
-    assert!(reason.contains("1.20 s is too short") && reason.contains("0.25 m/s"), "{reason}");
+    let why = refused(default_project(&line(0.7, 1.2), &limits));
+    let NoPath::TooShort { duration_s, needed_s, speed_m_s, .. } = why else { panic!("{why:?}") };
+    assert_eq!((duration_s, speed_m_s), (1.2, 0.25));
     // 0.7 / 0.25 + 0.25 / 1 + 1 / 10.
-    assert!(reason.contains("at least 3.15 s"), "{reason}");
+    assert_relative_eq!(needed_s, 3.15, epsilon = 1e-9);
     let settings = ProjectionSettings::default();
     let (a, b) = (line(0.7, 1.0).poses[0], line(0.7, 1.0).poses[100]);
     let shortest = shortest_duration_s(&a, &b, &limits, &settings).unwrap();
@@ -74,9 +75,9 @@ fn too_little_time_is_refused_with_the_time_it_takes() {
     feasible(default_project(&line(0.7, shortest), &limits));
     // Between the exact bound and what the knots allow, the reason is still a time.
     if shortest > 3.15 {
-        let (cause, reason) = refused(default_project(&line(0.7, 3.1501), &limits));
-        assert_eq!(cause, Cause::Duration);
-        assert!(reason.contains("needs at least 3."), "{reason}");
+        let why = refused(default_project(&line(0.7, 3.1501), &limits));
+        let NoPath::TooShort { needed_s, .. } = why else { panic!("{why:?}") };
+        assert!((3.15..4.0).contains(&needed_s), "{needed_s}");
     }
 }
 
@@ -97,9 +98,11 @@ fn the_bound_on_the_duration_covers_all_three_regimes() {
 fn the_box_is_kept_or_named() {
     let inner = Box3 { min: Vec3::new(0.2, -0.2, 0.8), max: Vec3::new(0.8, 0.3, 1.05) };
     let limits = PathLimits { workspace: Some(inner), ..PathLimits::default() };
-    let (cause, reason) = refused(default_project(&line(0.7, 4.0), &limits));
-    assert_eq!(cause, Cause::Workspace);
-    assert!(reason.contains("goal outside the workspace box (y <= 0.30 m"), "{reason}");
+    let why = refused(default_project(&line(0.7, 4.0), &limits));
+    let face = Face { axis: 1, is_upper: true, at_m: 0.3 };
+    assert_eq!(why.cause(), Cause::Workspace);
+    let NoPath::OutsideBox { end: End::Goal, face: found, at_m } = why else { panic!("{why:?}") };
+    assert!(found == face && (at_m - 0.5).abs() < 1e-9, "{why:?}");
     // The start lies on a face; the lifted path would leave through the top.
     let (a, b) = (line(0.4, 4.0).poses[0], line(0.4, 4.0).poses[100]);
     let all = candidates(&CandidateSettings::default(), &a, &b, &-Vec3::x(), 1);
@@ -127,9 +130,11 @@ fn turns_are_checked_in_closed_form() {
     let goal = Pose::new(Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.0, 2.0));
     let limits = PathLimits::default();
     let short = minimum_jerk_line(&start, &goal, 4.0, 50).unwrap();
-    let (cause, reason) = refused(default_project(&short, &limits));
-    assert_eq!(cause, Cause::Turn);
-    assert!(reason.contains("115 deg") && reason.contains("4.69 s"), "{reason}");
+    let why = refused(default_project(&short, &limits));
+    let NoPath::TooShortToTurn { angle_rad, needed_s, .. } = why else { panic!("{why:?}") };
+    assert_relative_eq!(angle_rad, 2.0, epsilon = 1e-9);
+    // The peak of the minimum-jerk law, 1.875 times 2 rad in 4.6875 s, is 0.8 rad/s.
+    assert_relative_eq!(needed_s, 4.6875, epsilon = 1e-9);
     let long = minimum_jerk_line(&start, &goal, 4.69, 50).unwrap();
     let (path, _) = feasible(default_project(&long, &limits));
     let found = verify(&path, &limits);
@@ -141,7 +146,7 @@ fn turns_are_checked_in_closed_form() {
 fn nonsense_is_refused_without_panic() {
     let reference = line(0.4, 4.0);
     let (limits, settings) = (PathLimits::default(), ProjectionSettings::default());
-    let is_input = |p: Projection| refused(p).0 == Cause::Input;
+    let is_input = |p: Projection| refused(p).cause() == Cause::Input;
     let mut broken = reference.clone();
     broken.poses[7].translation.vector.x = f64::NAN;
     assert!(is_input(project(&broken, &limits, &settings)));
@@ -163,7 +168,7 @@ fn nonsense_is_refused_without_panic() {
     let huge = PathLimits { speed_m_s: 1e12, jerk_m_s3: 1e-9, ..limits };
     let _ = project(&reference, &huge, &settings);
     let far = line(1e9, 4.0);
-    assert_eq!(refused(project(&far, &limits, &settings)).0, Cause::Duration);
+    assert_eq!(refused(project(&far, &limits, &settings)).cause(), Cause::Duration);
 }
 
 #[test]
@@ -230,17 +235,17 @@ proptest! {
                     let end = path.position[steps] - goal.translation.vector;
                     prop_assert!(end.norm() < 1e-10, "{end}");
                 }
-                Projection::Infeasible { cause: Cause::Turn, reason, .. } => {
+                Projection::Infeasible { why: why @ NoPath::TooShortToTurn { .. }, .. } => {
                     // Peaks of the minimum-jerk law: 1.875 and 10 / sqrt 3.
                     let speed = 1.875 * angle / duration;
                     let acceleration = 10.0 / 3f64.sqrt() * angle / (duration * duration);
                     let is_over = speed > limits.angular_speed_rad_s
                         || acceleration > limits.angular_acceleration_rad_s2;
-                    prop_assert!(is_over, "{reason}");
+                    prop_assert!(is_over, "{why:?}");
                 }
-                Projection::Infeasible { cause, reason, .. } => {
-                    prop_assert!(cause == Cause::Duration, "{reason}");
-                    prop_assert!(duration < shortest * 1.3, "{reason}");
+                Projection::Infeasible { why, .. } => {
+                    prop_assert!(why.cause() == Cause::Duration, "{why:?}");
+                    prop_assert!(duration < shortest * 1.3, "{why:?}");
                 }
             }
         }

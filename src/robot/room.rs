@@ -1,0 +1,234 @@
+//! How near an arm comes to itself and to obstacles along a motion, or why that is not known.
+
+use super::body::Nearest;
+use super::check::{Extreme, RobotMotion};
+use super::collide::{SelfNearest, SelfPairs};
+use super::description::{Assumed, Robot, RobotNote};
+use serde::{Deserialize, Serialize};
+
+/// Why a distance from the robot's links was not checked. Neither kept nor broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "because", rename_all = "snake_case")]
+pub enum NotChecked {
+    /// The links have meshes only, and these are not read.
+    MeshesOnly {
+        /// Collision meshes of the links.
+        count: usize,
+    },
+    /// No link has a collision shape.
+    NoShapes,
+    /// Too few links have one.
+    TooFewShapes,
+    /// The robot does not follow the path.
+    NoMotion,
+}
+
+impl Default for SelfClearance {
+    fn default() -> Self {
+        Self::NotChecked { why: NotChecked::NoMotion }
+    }
+}
+
+impl Default for ObstacleClearance {
+    fn default() -> Self {
+        Self::NotChecked { why: NotChecked::NoMotion }
+    }
+}
+
+/// How near the arm comes to itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "self_clearance", rename_all = "snake_case")]
+pub enum SelfClearance {
+    /// The least distance.
+    Least {
+        /// How near, and which links.
+        nearest: SelfNearest,
+    },
+    /// Nobody looked.
+    NotChecked {
+        /// Why.
+        why: NotChecked,
+    },
+}
+
+/// How near the arm comes to obstacles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "obstacle_clearance", rename_all = "snake_case")]
+pub enum ObstacleClearance {
+    /// The least distance.
+    Least {
+        /// How near, and what meets what.
+        nearest: Nearest,
+    },
+    /// No obstacle was given.
+    NoObstacle,
+    /// Nobody looked.
+    NotChecked {
+        /// Why.
+        why: NotChecked,
+    },
+}
+
+/// What of the arm's collision with itself can be checked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "self_check", rename_all = "snake_case")]
+pub enum SelfCheck {
+    /// Some pairs of links.
+    Checked {
+        /// Number of pairs of links.
+        pairs: usize,
+        /// Pairs that are left out because their capsules touch in nearly every posture.
+        left_out: Vec<[String; 2]>,
+    },
+    /// Nothing.
+    NotChecked {
+        /// Why.
+        why: NotChecked,
+    },
+}
+
+/// How near a motion comes to the limits of the joints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotMargins {
+    /// Largest speed as a share of its limit.
+    pub speed: Extreme,
+    /// Largest acceleration as a share of its limit.
+    pub acceleration: Extreme,
+    /// Smallest distance to a position limit, rad or m.
+    pub range: Extreme,
+    /// Smallest singular value of the TCP Jacobian, rotation scaled by 0.3 m; m/rad.
+    pub min_singular_value: f64,
+}
+
+/// A robot as the reader of a result should know it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotFacts {
+    /// Its name.
+    pub name: String,
+    /// What is a stand-in or from memory.
+    pub assumed: Vec<Assumed>,
+    /// Remarks about its description.
+    pub notes: Vec<RobotNote>,
+    /// What of its collision with itself is checked.
+    pub self_check: SelfCheck,
+    /// Why distances from its links to obstacles and people cannot be checked; none where they can.
+    pub not_checked: Option<NotChecked>,
+}
+
+impl RobotMotion {
+    /// How near it comes to the limits of the joints.
+    pub fn margins(&self) -> RobotMargins {
+        RobotMargins {
+            speed: self.qd_share.clone(),
+            acceleration: self.qdd_share.clone(),
+            range: self.position_margin.clone(),
+            min_singular_value: self.min_singular_value,
+        }
+    }
+}
+
+impl Robot {
+    /// Why distances from its links cannot be checked; none where a link that moves has a shape.
+    pub fn not_checked(&self) -> Option<NotChecked> {
+        if self.parts.iter().any(|p| p.is_moving) {
+            return None;
+        }
+        Some(match (self.parts.is_empty(), self.meshes) {
+            (true, 0) => NotChecked::NoShapes,
+            (false, 0) => NotChecked::TooFewShapes,
+            (_, count) => NotChecked::MeshesOnly { count },
+        })
+    }
+
+    /// What of the arm's collision with itself is checked.
+    pub fn self_check(&self) -> SelfCheck {
+        let SelfPairs { checked, left_out } = &self.self_pairs;
+        if checked.is_empty() {
+            let why = self.not_checked().unwrap_or(NotChecked::TooFewShapes);
+            return SelfCheck::NotChecked { why };
+        }
+        let mut links: Vec<(&str, &str)> = Vec::new();
+        for &(i, j) in checked {
+            let pair = (self.parts[i].link.as_str(), self.parts[j].link.as_str());
+            if !links.contains(&pair) {
+                links.push(pair);
+            }
+        }
+        let left_out = left_out.iter().map(|(a, b)| [a.clone(), b.clone()]).collect();
+        SelfCheck::Checked { pairs: links.len(), left_out }
+    }
+
+    /// How near the arm comes to itself along a motion that has been graded.
+    pub fn self_clearance(&self, motion: Option<&RobotMotion>) -> SelfClearance {
+        if let SelfCheck::NotChecked { why } = self.self_check() {
+            return SelfClearance::NotChecked { why };
+        }
+        match motion.and_then(|m| m.self_nearest.as_deref()) {
+            Some(nearest) => SelfClearance::Least { nearest: nearest.clone() },
+            None => SelfClearance::NotChecked { why: NotChecked::NoMotion },
+        }
+    }
+
+    /// How near the arm comes to obstacles along a motion that has been graded among `obstacles`.
+    pub fn obstacle_clearance(
+        &self,
+        motion: Option<&RobotMotion>,
+        obstacles: usize,
+    ) -> ObstacleClearance {
+        if obstacles == 0 {
+            return ObstacleClearance::NoObstacle;
+        }
+        match motion.and_then(|m| m.obstacle_nearest.as_deref()) {
+            Some(nearest) => ObstacleClearance::Least { nearest: nearest.clone() },
+            None => ObstacleClearance::NotChecked {
+                why: self.not_checked().unwrap_or(NotChecked::NoMotion),
+            },
+        }
+    }
+
+    /// What the reader of a result should know of it.
+    pub fn facts(&self) -> RobotFacts {
+        RobotFacts {
+            name: self.name.clone(),
+            assumed: self.assumed(),
+            notes: self.notes.clone(),
+            self_check: self.self_check(),
+            not_checked: self.not_checked(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Two links with these collision elements.
+    fn two_links(arm: &str) -> Robot {
+        let text = format!(
+            r#"<robot name="two"><link name="base"/><link name="arm">{arm}</link>
+            <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/>
+            <origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint></robot>"#
+        );
+        Robot::from_text(Path::new("two.urdf"), &text, "base", "arm").unwrap()
+    }
+
+    #[test]
+    fn meshes_are_told_from_no_shapes_at_all() {
+        let mesh = r#"<collision><geometry><mesh filename="a.stl"/></geometry></collision>"#;
+        let ball = r#"<collision><geometry><sphere radius="0.1"/></geometry></collision>"#;
+        let why = |arm: &str| match two_links(arm).self_check() {
+            SelfCheck::NotChecked { why } => why,
+            checked @ SelfCheck::Checked { .. } => panic!("{checked:?}"),
+        };
+        assert_eq!(why(""), NotChecked::NoShapes);
+        assert_eq!(why(&mesh.repeat(8)), NotChecked::MeshesOnly { count: 8 });
+        assert_eq!(why(ball), NotChecked::TooFewShapes);
+        // A link that moves has a shape: obstacles can be checked, the arm with itself cannot.
+        assert_eq!(two_links(ball).not_checked(), None);
+        let none = two_links(mesh).obstacle_clearance(None, 2);
+        let why = NotChecked::MeshesOnly { count: 1 };
+        assert_eq!(none, ObstacleClearance::NotChecked { why });
+        assert_eq!(two_links(mesh).obstacle_clearance(None, 0), ObstacleClearance::NoObstacle);
+    }
+}
