@@ -11,6 +11,7 @@ pub mod paths;
 pub mod refusal;
 pub mod refused;
 pub mod robot;
+pub mod setting;
 pub mod verdict;
 
 use crate::path::End;

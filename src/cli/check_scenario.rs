@@ -78,8 +78,8 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
     let s = &look.setting;
     let mut explained = Explained::new(format!("a scenario, \"{}\"", scenario.name));
     let says = &mut explained.says;
-    says.extend(s.bodies.iter().map(|b| format!("body {b}")));
-    says.extend(s.worker.iter().cloned());
+    says.extend(words::setting::bodies(s).iter().map(|b| format!("body {b}")));
+    says.extend(words::setting::worker(&s.worker));
     says.push(format!("posture model `{}`", scenario.worker.model.name));
     says.push(format!(
         "robot {} with its base at ({:.3}, {:.3}, {:.3}) m",

@@ -8,6 +8,7 @@ use crate::files::{InputError, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;
 use crate::math::{Pose, Vec3};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The bodies that ship: percentiles of ANSUR II (stature and mass of the same percentile).
@@ -19,7 +20,8 @@ pub const PRESETS: &[(&str, BodySize)] = &[
 ];
 
 /// How the worker is placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "stance", rename_all = "snake_case")]
 pub enum Stance {
     /// On straight legs, with shoes of this sole thickness (m).
     Standing {

@@ -2,10 +2,13 @@
 //! not modelled.
 
 use super::evaluate::Walks;
-use super::result::{Alternative, IfChanged, InputOrigin, ModelSummary, ScoreInput, Setting};
+use super::result::{
+    Alternative, BodyFacts, IfChanged, InputOrigin, ModelSummary, NotModelled, ScoreInput, Setting,
+    StartKind, WorkerFacts,
+};
 use crate::ergonomics::PerMethod;
 use crate::human::Stance;
-use crate::posture::{Hold, StartRule};
+use crate::posture::StartRule;
 use crate::robot::Obstacle;
 use crate::scenario::{Origin, OtherArm, Scenario};
 use crate::survey::{Lens, NeckRule};
@@ -98,47 +101,22 @@ fn task_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
 
 pub(super) fn setting(scenario: &Scenario) -> Setting {
     let w = &scenario.worker;
-    let stance = match w.stance {
-        Stance::Standing { shoe_m } => format!("standing, shoes {shoe_m} m"),
-        Stance::Seated { seat_height_m } => format!("seated at {seat_height_m} m"),
-    };
-    let hold = match scenario.hold {
-        Hold::Rigid => "the robot prescribes position and orientation of the hand",
-        Hold::FreeRoll => "the hand may turn about the bar it holds",
-        Hold::Point | Hold::Planar => "the robot prescribes the position of the hand only",
-    };
-    let start = match w.start_rule {
-        StartRule::Sampled => "start postures drawn from the person's own",
-        StartRule::Mean => "start posture: the person's mean, moved on to the start pose",
-        StartRule::Given(_) => "start posture as given, moved on to the start pose",
-    };
     Setting {
         name: scenario.name.clone(),
         description: scenario.description.clone(),
-        bodies: w
-            .bodies
-            .iter()
-            .map(|b| {
-                format!(
-                    "{}: {}, stature {} m, {} kg",
-                    b.name, b.size.sex, b.size.stature_m, b.size.mass_kg
-                )
-            })
-            .collect(),
-        worker: vec![
-            format!("{} hand on the robot, {stance}", w.side.prefix().to_lowercase()),
-            format!(
-                "pelvis above ({}, {}) m, facing {:.0} deg",
-                w.at_m[0],
-                w.at_m[1],
-                w.facing.to_degrees()
-            ),
-            hold.to_owned(),
-            start.to_owned(),
-            "assumed for the distance to the robot: limbs as thick as cylinders of their mass, a trunk 0.7 \
-             times as deep as broad, the other arm hanging"
-                .to_owned(),
-        ],
+        bodies: w.bodies.iter().map(|b| BodyFacts { name: b.name.clone(), size: b.size }).collect(),
+        worker: WorkerFacts {
+            side: w.side,
+            stance: w.stance,
+            at_m: w.at_m,
+            facing: w.facing,
+            hold: scenario.hold,
+            start: match w.start_rule {
+                StartRule::Sampled => StartKind::Sampled,
+                StartRule::Mean => StartKind::Mean,
+                StartRule::Given(_) => StartKind::Given,
+            },
+        },
         robot: scenario.robot.facts(),
         assumed_limits: scenario.assumed_limits.clone(),
         task: scenario.task.clone(),
@@ -175,37 +153,26 @@ fn bounds((name, obstacle): &(String, Obstacle)) -> (String, [f64; 3], [f64; 3])
 pub(super) fn model_summary(scenario: &Scenario) -> ModelSummary {
     let model = &scenario.worker.model;
     let group = |(name, share): (&str, f64)| (name.to_owned(), share);
-    let size = &model.size;
     ModelSummary {
         name: model.name.clone(),
         method: model.method.name().into(),
         simulated: model.provenance.simulated,
-        learned_on: format!(
-            "learned on body `{}` ({}, {} m, {} kg), applied to {}",
-            model.provenance.body.0,
-            size.sex,
-            size.stature_m,
-            size.mass_kg,
-            scenario.worker.bodies.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
-        ),
+        learned_on: BodyFacts { name: model.provenance.body.0.clone(), size: model.size },
+        applied_to: scenario.worker.bodies.iter().map(|b| b.name.clone()).collect(),
         weight_by_group: model.weight_by_group().into_iter().map(group).collect(),
         quality: model.quality.clone(),
         notes: model.provenance.notes.clone(),
     }
 }
 
-pub(super) fn not_modelled(scenario: &Scenario) -> Vec<String> {
-    let mut all = vec![
-        "the pelvis stays where it is; stepping and bending of the legs are not predicted".to_owned(),
-        "forces: only the load in kilograms enters the scores, no dynamics of body or robot".to_owned(),
-        "contact: distances are between capsules, and the hand and forearm on the handle may be at the \
-         robot's wrist; the margin to the person is for planning, not a safety function"
-            .to_owned(),
-        "fatigue and recovery over a shift; scores are per frame of one movement".to_owned(),
-        "safety: nothing here certifies conformity with ISO 10218, ISO/TS 15066 or any other standard".to_owned(),
+pub(super) fn not_modelled(scenario: &Scenario) -> Vec<NotModelled> {
+    let is_unknown = scenario.worker.other_arm == OtherArm::Unknown;
+    let all = [
+        NotModelled::Legs,
+        NotModelled::Forces,
+        NotModelled::Contact,
+        NotModelled::Fatigue,
+        NotModelled::Safety,
     ];
-    if scenario.worker.other_arm == OtherArm::Unknown {
-        all.push("the other arm: unknown, not scored".to_owned());
-    }
-    all
+    all.into_iter().chain(is_unknown.then_some(NotModelled::OtherArm)).collect()
 }

@@ -11,9 +11,9 @@ use crate::ergonomics::{
     ThresholdSensitivity, paired_difference,
 };
 use crate::files::null_as_nan;
-use crate::human::Side;
+use crate::human::{BodySize, Side, Stance};
 use crate::path::{Change, Check, Family};
-use crate::posture::MethodQuality;
+use crate::posture::{Hold, MethodQuality};
 use crate::robot::{
     JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
 };
@@ -43,7 +43,7 @@ pub struct RunResult {
     pub inputs: Vec<InputOrigin>,
     /// The best path's expected scores with the angle thresholds moved, for the body of the verdict.
     pub threshold_sensitivity: Option<ThresholdSensitivity>,
-    /// Robot, worker, task and cell in words.
+    /// Robot, worker, task and cell.
     pub setting: Setting,
     /// The posture model.
     pub posture_model: ModelSummary,
@@ -54,7 +54,7 @@ pub struct RunResult {
     /// What the reader should know.
     pub warnings: Vec<String>,
     /// What is not part of the model.
-    pub not_modelled: Vec<String>,
+    pub not_modelled: Vec<NotModelled>,
     /// The planner's settings.
     pub planner: Preset,
     /// What was searched.
@@ -603,17 +603,17 @@ pub enum Alternative {
     Coupling(u8),
 }
 
-/// The cell in words and numbers.
+/// The cell.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Setting {
     /// Scenario name.
     pub name: String,
     /// Scenario description.
     pub description: String,
-    /// Bodies: name, sex, stature (m), mass (kg).
-    pub bodies: Vec<String>,
-    /// Side, stance, place, hold.
-    pub worker: Vec<String>,
+    /// Bodies, the main one first.
+    pub bodies: Vec<BodyFacts>,
+    /// Who works where.
+    pub worker: WorkerFacts,
     /// Robot and what is assumed of it.
     pub robot: RobotFacts,
     /// Limits that are defaults.
@@ -632,7 +632,64 @@ pub struct Setting {
     pub obstacles: Vec<(String, [f64; 3], [f64; 3])>,
 }
 
-/// The posture model in words and numbers.
+/// A body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodyFacts {
+    /// Name.
+    pub name: String,
+    /// Size.
+    #[serde(flatten)]
+    pub size: BodySize,
+}
+
+/// Who works where, and how the hand is led.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorkerFacts {
+    /// The coupled hand.
+    pub side: Side,
+    /// Standing or seated.
+    pub stance: Stance,
+    /// Floor point below the pelvis, world, m.
+    pub at_m: [f64; 2],
+    /// Forward direction of the pelvis about world z, rad.
+    pub facing: f64,
+    /// What the robot prescribes of the hand.
+    pub hold: Hold,
+    /// Where start postures come from.
+    pub start: StartKind,
+}
+
+/// Where start postures come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StartKind {
+    /// Drawn from the person's own.
+    Sampled,
+    /// The person's mean.
+    Mean,
+    /// Given.
+    Given,
+}
+
+/// What no figure of a run takes into account.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NotModelled {
+    /// Motion of pelvis and legs.
+    Legs,
+    /// Dynamics of body and robot.
+    Forces,
+    /// Contact: distances are between capsules.
+    Contact,
+    /// Fatigue and recovery.
+    Fatigue,
+    /// Conformity with safety standards.
+    Safety,
+    /// The arm that does not hold on to the robot.
+    OtherArm,
+}
+
+/// The posture model.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ModelSummary {
     /// Its name.
@@ -641,8 +698,10 @@ pub struct ModelSummary {
     pub method: Cow<'static, str>,
     /// Simulated operator?
     pub simulated: bool,
-    /// The body on which it was learned, and those to which it is applied.
-    pub learned_on: String,
+    /// The body on which it was learned.
+    pub learned_on: BodyFacts,
+    /// Names of the bodies to which it is applied.
+    pub applied_to: Vec<String>,
     /// Share of W by joint group.
     pub weight_by_group: Vec<(String, f64)>,
     /// Held-out quality.

@@ -140,10 +140,10 @@ impl Verdict {
 
 /// What the lead gains over the straight path, and which part of it is its route's and its timing's.
 fn gain(candidates: &[CandidateResult], lead: &CandidateResult, body: &BodyScores) -> Option<Gain> {
-    let reported = |c: &&CandidateResult| c.evaluated == Evaluated::Reported;
+    let usable = |c: &&CandidateResult| c.rank.is_some();
     let of_body = |c: &CandidateResult| c.bodies.iter().find(|b| b.body == body.body).cloned();
     let by_family =
-        |f: Family| candidates.iter().filter(reported).find(|c| c.family == f).and_then(of_body);
+        |f: Family| candidates.iter().filter(usable).find(|c| c.family == f).and_then(of_body);
     let straight = by_family(Family::Straight)?;
     let retimed = by_family(Family::StraightRetimed);
     let without = format!("{WITHOUT}{TIMING}");

@@ -61,14 +61,14 @@ pub(super) fn assumptions(view: &View) -> Markup {
     let s = &view.result.setting;
     html! {
         h3 { "Worker" }
-        (list(&s.bodies))
-        (list(&s.worker))
+        (list(&words::setting::bodies(s)))
+        (list(&words::setting::worker(&s.worker)))
         h3 { "Robot" }
         (list(&words::robot::facts(&s.robot)))
         h3 { "Limits that are defaults of the program, not of your cell" }
         @if s.assumed_limits.is_empty() { p { "None: the scenario gives all limits." } } @else { (list(&s.assumed_limits)) }
         h3 { "Not modelled" }
-        (list(&view.result.not_modelled))
+        ul { @for n in &view.result.not_modelled { li { (words::setting::not_modelled(*n)) } } }
     }
 }
 
@@ -296,7 +296,7 @@ pub(super) fn model(view: &View) -> Markup {
             dt { "Made from" }
             dd { @if m.simulated { strong { "movements of a simulated operator, not of people" } } @else { "recorded movements" } }
             dt { "Method" } dd { code { (m.method) } }
-            dt { "Body" } dd { (ticked(&m.learned_on)) }
+            dt { "Body" } dd { (ticked(&words::setting::learned_on(m))) }
         }
         @if !m.weight_by_group.is_empty() {
             h3 { "How the body shares the movement" }

@@ -165,11 +165,11 @@ pub(super) fn parts(view: &View) -> Markup {
 pub(super) fn bodies(view: &View) -> Markup {
     let setting = &view.result.setting;
     let Some(lead) = view.lead else {
-        return html! { (super::page::list(&setting.bodies)) };
+        return html! { (super::page::list(&words::setting::bodies(setting))) };
     };
     if lead.bodies.len() < 2 {
         return html! {
-            p { "One body size was used: " (setting.bodies.join("; ")) ". Others may score differently." }
+            p { "One body size was used: " (words::setting::bodies(setting).join("; ")) ". Others may score differently." }
         };
     }
     html! {
@@ -191,7 +191,7 @@ pub(super) fn bodies(view: &View) -> Markup {
                             th scope="row" {
                                 (b.body)
                                 @if Some(b.body.as_str()) == view.body { span.small { "the verdict is for this body" } }
-                                @if let Some(words) = words(setting.bodies.as_slice(), &b.body) { span.small { (words) } }
+                                @if let Some(own) = setting.bodies.iter().find(|x| x.name == b.body) { span.small { (words::setting::size(own)) } }
                             }
                             td.n {
                                 (percent(b.rula().high_band[0]))
@@ -211,9 +211,4 @@ pub(super) fn bodies(view: &View) -> Markup {
             }
         }
     }
-}
-
-/// What the setting says of a body after its name.
-fn words<'a>(bodies: &'a [String], name: &str) -> Option<&'a str> {
-    bodies.iter().find_map(|b| b.strip_prefix(name)?.strip_prefix(": "))
 }

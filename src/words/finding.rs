@@ -1,7 +1,7 @@
 //! Findings in words, a sentence or two each.
 
 use super::cell::{alternative, input};
-use super::number::{percent, score};
+use super::number::{capital, percent, score};
 use super::paths::{bought, named};
 use super::refusal;
 use super::robot;
@@ -44,7 +44,7 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
         Finding::MuscleUseOpen { scores, .. } => muscle_use(scores),
         Finding::Assumption { input: index, score: then, .. } => assumption(result, *index, *then),
         Finding::FewerReachLevel3 { path, there, here } => format!(
-            "On the path {}, fewer repetitions spend half a second at RULA action level 3 or above: {} instead of \
+            "On {}, fewer repetitions spend half a second at RULA action level 3 or above: {} instead of \
              {}. The ranking follows the planner's objective.",
             named(result, path),
             percent(*there),
@@ -136,8 +136,8 @@ fn lower_mean(result: &RunResult, path: &str) -> String {
     let found = result.candidates.iter().find(|c| c.id == path);
     let why: Vec<String> = found.map(|c| c.bought.iter().map(bought).collect()).unwrap_or_default();
     format!(
-        "The path {} has a lower objective but is not called the best: {}.",
-        named(result, path),
+        "{} has a lower objective but is not called the best: {}.",
+        capital(&named(result, path)),
         why.join("; ")
     )
 }

@@ -35,7 +35,13 @@ pub fn path_and_id(c: &CandidateResult) -> String {
 /// The same by the id; the id alone for a path that is not in the result.
 pub fn named(result: &RunResult, id: &str) -> String {
     let found = result.candidates.iter().find(|c| c.id == id);
-    found.map_or_else(|| format!("`{id}`"), path_and_id)
+    match found.map(|c| (c.family, path_name(c))) {
+        Some((Family::Straight, _)) => "the straight path".to_owned(),
+        Some((Family::StraightRetimed, _)) => "the straight path with optimised timing".to_owned(),
+        Some((Family::Drawn, _)) => format!("your path `{id}`"),
+        Some((_, name)) => format!("`{id}` ({name})"),
+        None => format!("`{id}`"),
+    }
 }
 
 /// Where a path bends: "8 cm towards the body, 3 cm lower".

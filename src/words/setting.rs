@@ -1,0 +1,81 @@
+//! The cell, the worker and the posture model, and what is not modelled.
+
+use crate::human::Stance;
+use crate::planner::{BodyFacts, ModelSummary, NotModelled, Setting, StartKind, WorkerFacts};
+use crate::posture::Hold;
+
+/// A body with its size.
+pub fn body(b: &BodyFacts) -> String {
+    format!("{}: {}", b.name, size(b))
+}
+
+/// The size of a body.
+pub fn size(b: &BodyFacts) -> String {
+    format!("{}, stature {} m, {} kg", b.size.sex, b.size.stature_m, b.size.mass_kg)
+}
+
+/// All bodies of a cell, a line each.
+pub fn bodies(s: &Setting) -> Vec<String> {
+    s.bodies.iter().map(body).collect()
+}
+
+/// Who works where and how, a line each.
+pub fn worker(w: &WorkerFacts) -> Vec<String> {
+    let stance = match w.stance {
+        Stance::Standing { shoe_m } => format!("standing, shoe soles {shoe_m} m thick"),
+        Stance::Seated { seat_height_m } => format!("seated, seat height {seat_height_m} m"),
+    };
+    let hold = match w.hold {
+        Hold::Rigid => "the robot prescribes the position and orientation of the hand",
+        Hold::FreeRoll => "the hand may turn about the bar that it holds",
+        Hold::Point | Hold::Planar => "the robot prescribes only the position of the hand",
+    };
+    let start = match w.start {
+        StartKind::Sampled => "start postures: drawn from the person's own",
+        StartKind::Mean => "start posture: the person's mean, moved to the start pose",
+        StartKind::Given => "start posture: as given, moved to the start pose",
+    };
+    vec![
+        format!("{} hand on the robot, {stance}", w.side.prefix().to_lowercase()),
+        format!(
+            "pelvis above ({}, {}) m, facing {:.0} deg",
+            w.at_m[0],
+            w.at_m[1],
+            w.facing.to_degrees()
+        ),
+        hold.to_owned(),
+        start.to_owned(),
+        "assumed for the distance to the robot: limbs as thick as cylinders of their mass, a trunk 0.7 times as \
+         deep as it is wide, the other arm hanging"
+            .to_owned(),
+    ]
+}
+
+/// On which body a posture model was learned, and to which it is applied.
+pub fn learned_on(m: &ModelSummary) -> String {
+    let on = &m.learned_on;
+    format!("learned on body `{}` ({}), applied to {}", on.name, size(on), m.applied_to.join(", "))
+}
+
+/// Something that no figure takes into account.
+pub fn not_modelled(n: NotModelled) -> &'static str {
+    match n {
+        NotModelled::Legs => {
+            "pelvis and legs: the pelvis stays where it is; steps and bending knees are not predicted"
+        }
+        NotModelled::Forces => {
+            "forces: only the load in kilograms enters the scores; no dynamics of the body or the robot"
+        }
+        NotModelled::Contact => {
+            "contact: distances are between capsules, and the hand and forearm on the handle may touch the robot's \
+             wrist; the margin to the person is a planning margin, not a safety function"
+        }
+        NotModelled::Fatigue => {
+            "fatigue and recovery over a shift; each posture of one movement is scored by itself"
+        }
+        NotModelled::Safety => {
+            "safety: nothing here certifies conformity with ISO 10218, ISO/TS 15066 or any other standard"
+        }
+        NotModelled::OtherArm => "the other arm: unknown and not scored",
+    }
+}
