@@ -35,10 +35,12 @@ impl Kind {
     }
 
     fn text(self) -> Result<String, InputError> {
-        let schema = match self {
+        let mut schema = match self {
             Self::Scenario => scenario_schema(),
             Self::Planner => planner_schema(),
         };
+        // By this a schema is known as one that may be replaced (`files::signature`).
+        schema["$comment"] = "ergopath/schema/1".into();
         let text = serde_json::to_string_pretty(&schema);
         Ok(text.map_err(|e| InputError::new(self.name(), e.to_string()))? + "\n")
     }
