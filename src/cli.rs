@@ -1,14 +1,13 @@
 //! The command line: the only place that prints, shows progress and sets exit codes.
 //!
-//! Exit codes: 0 done; 1 the program itself failed; 2 the input or the call is wrong (nothing is
-//! written); 3 finished, but no path is feasible (the report says why).
+//! Exit codes: 0 done; 1 the program itself failed (a full disk, say); 2 the input or the call is wrong
+//! (nothing is written); 3 finished, but no path is feasible (the report says why); 4 a batch finished,
+//! but some of its scenarios failed; 130 interrupted.
 
-/// Prints a line to standard output. A reader that has gone (`| head`) is no reason to fail.
+/// Prints a line to standard output.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
+    () => { $crate::cli::stdout::print(format_args!("\n")) };
+    ($($text:tt)+) => { $crate::cli::stdout::print(format_args!("{}\n", format_args!($($text)+))) };
 }
 
 /// Prints a line to standard error.
@@ -43,11 +42,13 @@ mod score;
 mod score_motion;
 mod score_print;
 mod shell;
+mod stdout;
 mod train;
 mod train_print;
 
+use crate::files::{InputError, Outputs};
 use clap::{Parser, Subcommand};
-use miette::Diagnostic;
+use progress::Progress;
 use std::process::ExitCode;
 
 /// Plans a collaborative robot's path so that the person holding on to it works in a healthy
@@ -57,6 +58,9 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Replace files that ergopath did not write; inputs of the same call never.
+    #[arg(long, global = true)]
+    overwrite: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -100,38 +104,83 @@ enum Command {
 enum Outcome {
     Done,
     NothingFeasible,
+    /// Of several runs.
+    SomeFailed,
 }
 
-/// Anything that stops a command, shown to the user.
-type Failure = Box<dyn Diagnostic + Send + Sync>;
+impl Outcome {
+    fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::NothingFeasible => 3,
+            Self::SomeFailed => 4,
+        }
+    }
+}
+
+/// Exit code after Ctrl-C, SIGTERM or SIGHUP, as shells have it.
+const INTERRUPTED: u8 = 130;
+
+/// What stops a command, shown to the user.
+#[derive(Debug)]
+struct Failure(Box<InputError>);
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self(Box::new(error))
+    }
+}
+
+impl Failure {
+    fn code(&self) -> u8 {
+        if self.0.is_fault() { 1 } else { 2 }
+    }
+}
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let result = match cli.command {
-        Command::Check(args) => check::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Body(args) => body::run(&args),
-        Command::Plan(args) => plan::plan(&args),
-        Command::Assess(args) => plan::assess(&args),
-        Command::Score(args) => score::run(&args),
-        Command::Batch(args) => batch::batch(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Compare(args) => compare::run(&args),
-        Command::Train(args) => train::run(&args),
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Bench(args) => bench::bench(&args),
-        Command::Experiment(args) => experiment::run(&args),
-        Command::Schema(args) => schema::run(&args),
-        Command::Completions(args) => Ok(shell::completions(&args)),
-        Command::Man(args) => shell::man(&args),
-    };
-    match result {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::NothingFeasible) => ExitCode::from(3),
-        Err(failure) => {
-            complain!("{:?}", miette::Report::new_boxed(failure));
-            ExitCode::from(2)
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // Help and version are printed the same way.
+        Err(shown) => {
+            let is_lost = shown.print().is_err_and(|e| e.kind() != std::io::ErrorKind::BrokenPipe);
+            return ExitCode::from(if is_lost { 1 } else { shown.exit_code() as u8 });
         }
+    };
+    let outputs = Outputs::new(cli.overwrite);
+    let result = match cli.command {
+        Command::Check(args) => check::run(&args, outputs),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Body(args) => body::run(&args, outputs),
+        Command::Plan(args) => plan::plan(&args, outputs),
+        Command::Assess(args) => plan::assess(&args, outputs),
+        Command::Score(args) => score::run(&args, outputs),
+        Command::Batch(args) => batch::batch(&args, &outputs),
+        Command::Report(args) => report::run(&args, outputs),
+        Command::Compare(args) => compare::run(&args, outputs),
+        Command::Train(args) => train::run(&args, outputs),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Bench(args) => bench::bench(&args, outputs),
+        Command::Experiment(args) => experiment::run(&args, outputs),
+        Command::Schema(args) => schema::run(&args, outputs),
+        Command::Completions(args) => Ok(shell::completions(&args)),
+        Command::Man(args) => shell::man(&args, outputs),
+    };
+    let code = match result {
+        Ok(outcome) => outcome.code(),
+        Err(failure) => {
+            let code = failure.code();
+            complain!("{:?}", miette::Report::new(*failure.0));
+            code
+        }
+    };
+    // A command that did not come to its end after a signal was stopped by it.
+    let code = if matches!(code, 2 | 4) && Progress::is_interrupted() { INTERRUPTED } else { code };
+    match stdout::lost() {
+        Some(why) if code == 0 => {
+            complain!("standard output could not be written: {why}");
+            ExitCode::from(1)
+        }
+        _ => ExitCode::from(code),
     }
 }

@@ -74,8 +74,7 @@ pub fn run(
                     person_number: question.seed * 1000 + number as u64,
                 };
                 let own = folder.join(format!("cell_{number:03}"));
-                std::fs::create_dir_all(&own)
-                    .map_err(|e| InputError::new(&own, format!("cannot be made: {e}")))?;
+                std::fs::create_dir_all(&own).map_err(|e| InputError::unwritable(&own, &e))?;
                 let cell = run_cell(&draft, question, &own, stage)?;
                 told(number, total, &cell);
                 cells.push(cell);

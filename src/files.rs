@@ -1,17 +1,30 @@
 //! Files at the edge: reading with errors that name the place, and writing whole or not at all.
+//!
+//! [`Outputs`] is the door for everything that a command writes; the readers note what is read, so that
+//! no output lands on an input.
 
 mod error;
+mod folder;
+mod inputs;
+mod marker;
 mod memory;
 mod number;
 mod output;
+#[cfg(test)]
+mod output_tests;
+mod place;
 mod schema;
+mod signature;
 mod table;
 mod text;
 
 pub use error::{InputError, suggest};
+pub use inputs::note_input;
+pub use marker::refuse_incomplete;
 pub use memory::{peak_memory_mib, restart_peak_memory};
 pub use number::null_as_nan;
-pub use output::{OutputFolder, write_whole};
+pub use output::{Outputs, remove_state};
+pub use place::write_whole;
 pub use schema::toml_schema;
 pub use table::NumericTable;
 pub use text::{parse_toml, read_bytes, read_text, sha256_hex};

@@ -36,7 +36,7 @@ pub use attraction::{Attraction, HandFeatures, UsualPosture};
 pub use behaviour::Behaviour;
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
-pub use file::{MODEL_SCHEMA, load_model, save_model};
+pub use file::{MODEL_SCHEMA, load_model, model_text, save_model};
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Floors, Person, PostureLaw, Prediction, Query, Sampler, Sampling};
 pub use model::{

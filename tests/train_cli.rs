@@ -89,7 +89,8 @@ fn the_shipped_model_is_trained_again_from_the_shipped_movements() {
 /// The names in a folder, in order.
 fn names(folder: &Path) -> Vec<String> {
     let all = folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = all.collect();
+    // The list of what ergopath wrote lies beside it.
+    let mut names: Vec<String> = all.filter(|name| !name.starts_with('.')).collect();
     names.sort();
     names
 }
@@ -161,15 +162,11 @@ fn pictures_are_written_with_the_model_or_not_at_all() {
     refused(&mut into(&thesis), "foreign", "not an ergopath output folder", room.path());
     assert_eq!(names(&thesis), ["held_out.png", "robot.png"]);
     refused(&mut into(&data), "file", "is a file, not a folder", room.path());
-    refused(&mut into(room.path()), "around", "would also hold the file of --output", room.path());
-    let mut export = into(&figures);
-    export.arg("--export").arg(figures.join("d.csv"));
-    refused(&mut export, "around", "would also hold the file of --export", room.path());
     // The model cannot be written in the place of a folder: nothing else stays either.
     let mut blocked = train(&data, &thesis);
     blocked.args(["--method", "w-ik", "--figures"]).arg(&figures);
     blocked.arg("--export").arg(room.path().join("d.csv"));
-    refused(&mut blocked, "blocked", "cannot be written", room.path());
+    refused(&mut blocked, "blocked", "is a folder, not a file", room.path());
     assert_eq!(names(room.path()), ["thesis", "three.csv"]);
 }
 

@@ -5,15 +5,15 @@ use super::plan::{failure, with_threads};
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::ergobench::{Cell, Family, Kind, Question, TABLE_SEED, run, table};
-use crate::files::{InputError, OutputFolder, suggest};
+use crate::files::{InputError, Outputs, suggest};
 use crate::planner::{Step, load_preset};
 use std::path::PathBuf;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Folder to write: result.json, cells.csv, gains.png, `oracle_share.png`; replaced only if ergopath
-    /// made it.
+    /// Folder to write: result.json, cells.csv, gains.png, `oracle_share.png`; only files
+    /// that ergopath wrote there are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Seed: 0 to 99 for tuning, 1000 and up for tables.
@@ -46,13 +46,13 @@ pub(super) struct Args {
 }
 
 /// Runs the benchmark.
-pub(super) fn bench(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn bench(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let question = question(args)?;
     if let Some(folder) = &args.output {
-        drop(OutputFolder::create(folder)?);
+        outputs.expect_folder(folder)?;
     }
     let work = tempfile::tempdir().map_err(|e| {
-        InputError::new("temporary folder", e.to_string())
+        InputError::fault("temporary folder", e.to_string())
             .remedy("set TMPDIR to a folder with room")
     })?;
     let cells = with_threads(args.threads, || {
@@ -76,15 +76,15 @@ pub(super) fn bench(args: &Args) -> Result<Outcome, Failure> {
         "cells": cells,
     });
     let text = serde_json::to_string_pretty(&result)
-        .map_err(|e| InputError::new("result", e.to_string()))?;
+        .map_err(|e| InputError::fault("result", e.to_string()))?;
     if let Some(folder) = &args.output {
-        let folder = OutputFolder::create(folder)?;
-        folder.write("result.json", text.as_bytes())?;
-        folder.write("cells.csv", &cells_csv(&cells)?)?;
-        for (name, png) in figures(&table)? {
-            folder.write(name, &png)?;
-        }
-        folder.publish()?;
+        let mut files = vec![
+            ("result.json".to_owned(), text.clone().into_bytes()),
+            ("cells.csv".to_owned(), cells_csv(&cells)?),
+        ];
+        files.extend(figures(&table)?.into_iter().map(|(name, png)| (name.to_owned(), png)));
+        outputs.folder(folder, files)?;
+        outputs.write()?;
     }
     if args.json {
         say!("{text}");
@@ -149,7 +149,7 @@ fn family(name: &str) -> Result<Family, InputError> {
 }
 
 fn cells_csv(cells: &[Cell]) -> Result<Vec<u8>, InputError> {
-    let fault = |e: String| InputError::new("cells.csv", e);
+    let fault = |e: String| InputError::fault("cells.csv", e);
     let mut table = csv::Writer::from_writer(Vec::new());
     let header = [
         "station",

@@ -88,7 +88,7 @@ fn interval(gains: &[(String, Gain)], planner: &str) -> String {
 
 /// Gains over each baseline, and shares of the oracle's gain, as PNG by name.
 pub(super) fn figures(table: &Table) -> Result<Vec<(&'static str, Vec<u8>)>, InputError> {
-    let fault = |e: crate::report::ReportError| InputError::new("figure", e.to_string());
+    let fault = |e: crate::report::ReportError| InputError::fault("figure", e.to_string());
     let ends = |g: &Gain| [g.mean, g.low95, g.high95];
     let rows = |of: &dyn Fn(&Row) -> Option<[f64; 3]>, with_kinds: bool| -> Vec<ForestRow> {
         let is_shown = |r: &&Row| with_kinds || r.kind.is_none();

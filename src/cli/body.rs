@@ -1,7 +1,7 @@
 //! `ergopath body`: writes a digital human of given size.
 
 use super::{Failure, Outcome};
-use crate::files::{InputError, write_whole};
+use crate::files::{InputError, Outputs};
 use crate::human::{BodySize, Sex, generate};
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ fn parse_sex(text: &str) -> Result<Sex, String> {
 }
 
 /// Writes the two files.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let size = BodySize { sex: args.sex, stature_m: args.stature_m, mass_kg: args.mass_kg };
     let path = &args.output;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -40,8 +40,9 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     }
     let files = generate(&name, size).map_err(|e| InputError::new("body", e))?;
     let sheet = path.with_extension("body.toml");
-    write_whole(&sheet, files.sheet.as_bytes())?;
-    write_whole(path, files.urdf.as_bytes())?;
+    outputs.file(&sheet, files.sheet)?;
+    outputs.file(path, files.urdf)?;
+    outputs.write()?;
     say!("{}: {} of {} m, {} kg", path.display(), size.sex, size.stature_m, size.mass_kg);
     say!("  66 joints, pelvis to right hand 24; palms forward at zero; limits: AAOS ranges");
     say!("{}: sizes and trunk limits", sheet.display());

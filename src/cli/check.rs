@@ -3,7 +3,7 @@
 use super::check_file::explain;
 use super::check_scenario;
 use super::{Failure, Outcome};
-use crate::files::InputError;
+use crate::files::{InputError, Outputs};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -57,7 +57,7 @@ impl Explained {
 }
 
 /// Explains a file.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
     let scenario = check_scenario::is_scenario(&args.file)?;
     if !scenario && (args.figure.is_some() || args.sensitivity) {
         let message = "is no scenario, so there is no cell to draw or to measure";
@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
             .into());
     }
     if scenario {
-        return check_scenario::run(args);
+        return check_scenario::run(args, outputs);
     }
     let explained = explain(&args.file)?;
     if args.json {
@@ -84,7 +84,7 @@ pub(super) fn outcome(explained: &Explained) -> Outcome {
 
 pub(super) fn print_json(value: &impl Serialize) -> Result<(), InputError> {
     let text = serde_json::to_string_pretty(value);
-    say!("{}", text.map_err(|e| InputError::new("check", e.to_string()))?);
+    say!("{}", text.map_err(|e| InputError::fault("check", e.to_string()))?);
     Ok(())
 }
 

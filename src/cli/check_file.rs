@@ -117,6 +117,12 @@ fn json(path: &Path) -> Result<Explained, InputError> {
             let kept = Checkpoint::read(path)?;
             return Ok(Explained::new("an interrupted run").saying(unfinished_words(&kept)));
         }
+        "output" => {
+            let files = value["files"].as_object().map_or(0, serde_json::Map::len);
+            return Ok(Explained::new("the list of what ergopath wrote in this folder").saying(
+                format!("{files} files, each with its SHA-256: only these may be replaced"),
+            ));
+        }
         "score" => {
             return Ok(Explained::new("scores of a motion, written by `ergopath score`")
                 .saying(format!("program version {}", value["program_version"])));

@@ -4,7 +4,7 @@ use super::bars::table;
 use super::check::{Args, Explained, outcome, print, print_json};
 use super::progress::Progress;
 use super::{Failure, Outcome};
-use crate::files::{InputError, read_text, write_whole};
+use crate::files::{InputError, Outputs, read_text};
 use crate::math::{Pose, Vec3};
 use crate::planner::{
     CellLook, CellSensitivity, FixedPath, Freshness, cell_sensitivity, freshness, look_at_cell,
@@ -46,16 +46,17 @@ struct AsJson<'a> {
 }
 
 /// Explains a scenario.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let scenario = read_scenario(&args.file)?;
     let look = look_at_cell(&scenario)?;
     let mut explained = in_words(&scenario, &look, &read_text(&args.file)?);
     if let Some(file) = &args.figure {
-        let png = cell_figure(&look).map_err(|e| InputError::new(file, e.to_string()))?;
-        write_whole(file, &png)?;
+        let png = cell_figure(&look).map_err(|e| InputError::fault(file, e.to_string()))?;
+        outputs.file(file, png)?;
     }
     let sensitivity =
         if args.sensitivity { Some(measured(args, &scenario, &mut explained)?) } else { None };
+    outputs.write()?;
     if args.json {
         print_json(&AsJson {
             explained: &explained,

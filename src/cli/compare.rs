@@ -2,7 +2,7 @@
 
 use super::bars::{bad_share, table};
 use super::{Failure, Outcome};
-use crate::files::{InputError, suggest, write_whole};
+use crate::files::{InputError, Outputs, suggest};
 use crate::planner::{read_result, result_file};
 use crate::report::{self, ComparedRun, Comparison, NamedRun, RowState, RunDifference};
 use crate::words::number::percent;
@@ -38,7 +38,7 @@ pub(super) enum Shown {
 }
 
 /// Compares finished runs; a folder of a batch stands for its runs.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let mut places = Vec::new();
     for place in &args.results {
         places.extend(runs_in(place)?);
@@ -69,7 +69,14 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
         (_, true) => Shown::Nothing,
         _ => Shown::Table,
     };
-    publish(&args.output, &runs, args.against.as_deref(), shown)
+    let compared = compared(&runs, args.against.as_deref());
+    let is_page = args.output.extension().is_some_and(|x| x.eq_ignore_ascii_case("html"));
+    let html = if is_page { args.output.clone() } else { args.output.join("comparison.html") };
+    for (ending, bytes) in pages(&compared, &runs)? {
+        outputs.file(&html.with_extension(ending), bytes)?;
+    }
+    outputs.write()?;
+    show(&compared, &html, shown)
 }
 
 /// The runs that a folder stands for: itself, or those below it.
@@ -95,42 +102,46 @@ fn name_of(place: &Path) -> String {
     absolute.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Writes page and table, and prints.
-pub(super) fn publish(
-    output: &Path,
-    runs: &[NamedRun],
-    against: Option<&str>,
-    shown: Shown,
-) -> Result<Outcome, Failure> {
+/// The comparison; a wish for a run that cannot be compared with is answered with a warning.
+pub(super) fn compared(runs: &[NamedRun], against: Option<&str>) -> Comparison {
     let compared = Comparison::of(runs, against);
     if let (Some(wanted), Some(used)) = (against, &compared.against)
         && wanted != used
     {
         complain!("warning: `{wanted}` has no feasible path; the runs are held against `{used}`");
     }
-    let is_page = output.extension().is_some_and(|x| x.eq_ignore_ascii_case("html"));
-    let file = |ending: &str| match (is_page, ending) {
-        (true, "html") => output.to_owned(),
-        (true, _) => output.with_extension(ending),
-        (false, _) => output.join(format!("comparison.{ending}")),
-    };
-    let fault = |e: report::ReportError| InputError::new("report", e.to_string());
-    for (ending, bytes) in report::comparison(&compared, runs).map_err(fault)? {
-        write_whole(&file(ending), &bytes)?;
-    }
+    compared
+}
+
+/// Page and table, each by the ending of its name.
+pub(super) fn pages(
+    compared: &Comparison,
+    runs: &[NamedRun],
+) -> Result<Vec<(&'static str, Vec<u8>)>, InputError> {
+    report::comparison(compared, runs).map_err(|e| InputError::fault("report", e.to_string()))
+}
+
+/// Prints what was written to `html` and beside it.
+pub(super) fn show(compared: &Comparison, html: &Path, shown: Shown) -> Result<Outcome, Failure> {
     match shown {
         Shown::Table => {
-            print(&compared);
-            say!("\n{}", file("html").display());
+            print(compared);
+            say!("\n{}", html.display());
         }
         Shown::Json => {
-            let text = serde_json::to_string_pretty(&compared);
-            say!("{}", text.map_err(|e| InputError::new("comparison", e.to_string()))?);
+            let text = serde_json::to_string_pretty(compared);
+            say!("{}", text.map_err(|e| InputError::fault("comparison", e.to_string()))?);
         }
         Shown::Nothing => {}
     }
-    let none = compared.runs.iter().all(|r| r.state != RowState::Ok);
-    Ok(if none { Outcome::NothingFeasible } else { Outcome::Done })
+    let is = |state: fn(&RowState) -> bool| compared.runs.iter().any(|r| state(&r.state));
+    Ok(if is(|s| matches!(s, RowState::Failed(_))) {
+        Outcome::SomeFailed
+    } else if is(|s| *s == RowState::Ok) {
+        Outcome::Done
+    } else {
+        Outcome::NothingFeasible
+    })
 }
 
 /// The runs, best first.

@@ -3,7 +3,7 @@
 use super::experiment_size::{SizeArgs, size};
 use super::progress::Progress;
 use super::{Failure, Outcome};
-use crate::files::{InputError, OutputFolder, parse_toml, read_text};
+use crate::files::{InputError, Outputs, parse_toml, read_text};
 use crate::math::stats::mean;
 use crate::report::{BoxPanel, box_plots};
 use crate::training::toy5r::ToyConstants;
@@ -80,15 +80,15 @@ struct ToyArgs {
 }
 
 /// Runs an experiment.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
     match &args.which {
-        Which::Toy5r(args) => toy(args),
+        Which::Toy5r(args) => toy(args, outputs),
         Which::Calibration(args) => calibration(args),
-        Which::Size(args) => size(args),
+        Which::Size(args) => size(args, outputs),
     }
 }
 
-fn toy(args: &ToyArgs) -> Result<Outcome, Failure> {
+fn toy(args: &ToyArgs, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let constants = match &args.constants {
         Some(path) => parse_toml(path, &read_text(path)?)?,
         None => ToyConstants::default(),
@@ -99,12 +99,13 @@ fn toy(args: &ToyArgs) -> Result<Outcome, Failure> {
         say!("{}", text.trim_end());
         return Ok(Outcome::Done);
     }
+    outputs.expect_folder(&args.output)?;
     let methods = toy_methods(args.published);
     let progress = Progress::new();
     let one = |constants: &ToyConstants, stage: &'static str| -> Result<ToyResult, InputError> {
         let tell = |done: usize| progress.tell(stage, done, args.repeats as usize);
         run_toy(constants, args.repeats, &methods, &tell)?
-            .ok_or_else(|| InputError::new("experiment", "was interrupted; nothing is written"))
+            .ok_or_else(|| interrupted("nothing was written"))
     };
     let result = one(&constants, "5R problems")?;
     let quiet = ToyConstants {
@@ -113,25 +114,33 @@ fn toy(args: &ToyArgs) -> Result<Outcome, Failure> {
         ..constants.clone()
     };
     let low = if args.no_low_noise { None } else { Some(one(&quiet, "with low noise")?) };
-    let folder = OutputFolder::create(&args.output)?;
-    folder.write("toy-5r.png", &box_plots(&panels(&result)).map_err(|e| drawn(&e))?)?;
-    if let Some(low) = &low {
-        folder.write("toy-5r-low-noise.png", &box_plots(&panels(low)).map_err(|e| drawn(&e))?)?;
-    }
-    folder.write("toy-5r.csv", csv(&result).as_bytes())?;
     let everything = json!({"set": result, "low_noise": low});
-    folder.write("toy-5r.json", format!("{everything:#}\n").as_bytes())?;
-    let folder = folder.publish()?;
+    let picture = |r: &ToyResult| box_plots(&panels(r)).map_err(|e| drawn(&e));
+    let mut files = vec![
+        ("toy-5r.png".to_owned(), picture(&result)?),
+        ("toy-5r.csv".to_owned(), csv(&result).into_bytes()),
+        ("toy-5r.json".to_owned(), format!("{everything:#}\n").into_bytes()),
+    ];
+    if let Some(low) = &low {
+        files.push(("toy-5r-low-noise.png".to_owned(), picture(low)?));
+    }
+    outputs.folder(&args.output, files)?;
+    outputs.write()?;
     if args.json {
         say!("{everything}");
     } else {
-        print_toy(&result, low.as_ref(), &folder, args.constants.is_some());
+        print_toy(&result, low.as_ref(), &args.output, args.constants.is_some());
     }
     Ok(Outcome::Done)
 }
 
 fn drawn(error: &crate::report::ReportError) -> InputError {
-    InputError::new("figure", error.to_string())
+    InputError::fault("figure", error.to_string())
+}
+
+/// An experiment that was stopped.
+pub(super) fn interrupted(what: &str) -> InputError {
+    InputError::new("experiment", format!("interrupted; {what}"))
 }
 
 /// The four panels of the paper's figure.
@@ -312,7 +321,7 @@ fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
     let progress = Progress::new();
     let tell = |done: usize| progress.tell("cells", done, 6);
     let cells = run_calibration(args.seed, &settings, &tell)?
-        .ok_or_else(|| InputError::new("experiment", "was interrupted; nothing is printed"))?;
+        .ok_or_else(|| interrupted("nothing was printed"))?;
     progress.tell("cells", 6, 6);
     if args.json {
         say!("{}", json!({"seed": args.seed, "cells": cells}));

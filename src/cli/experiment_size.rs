@@ -1,8 +1,9 @@
 //! `ergopath experiment size`: cost and quality over the number of frames, on a simulated operator.
 
+use super::experiment::interrupted;
 use super::progress::Progress;
 use super::{Failure, Outcome};
-use crate::files::{InputError, OutputFolder};
+use crate::files::{InputError, Outputs};
 use crate::human::Body;
 use crate::report;
 use crate::training::{SizeExperiment, SizeQuestion, SizeRow, TrainSettings, size_experiment};
@@ -41,10 +42,10 @@ pub(super) struct SizeArgs {
 }
 
 /// Trains on more and more frames, prints, and writes.
-pub(super) fn size(args: &SizeArgs) -> Result<Outcome, Failure> {
+pub(super) fn size(args: &SizeArgs, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let body = Body::load(&args.body, Path::new("."))?;
-    // Opened first: a folder that cannot be written must not cost minutes.
-    let folder = args.output.as_deref().map(OutputFolder::create).transpose()?;
+    // A folder that cannot be written must not cost minutes.
+    args.output.as_deref().map_or(Ok(()), |folder| outputs.expect_folder(folder))?;
     let question =
         SizeQuestion { counts: args.counts.clone(), seed: args.seed, ..SizeQuestion::default() };
     let settings = TrainSettings {
@@ -56,23 +57,20 @@ pub(super) fn size(args: &SizeArgs) -> Result<Outcome, Failure> {
     let progress = Progress::new();
     let told = |stage: &'static str, done: usize, total: usize| progress.tell(stage, done, total);
     let result = size_experiment(&body, &question, &settings, &told)?
-        .ok_or_else(|| InputError::new("experiment", "interrupted; nothing was written"))?;
+        .ok_or_else(|| interrupted("nothing was written"))?;
     if args.json {
         let text = serde_json::to_string_pretty(&result)
-            .map_err(|e| InputError::new("size.json", e.to_string()))?;
+            .map_err(|e| InputError::fault("size.json", e.to_string()))?;
         say!("{text}");
     } else {
         print(&result);
     }
-    if let Some(folder) = folder {
-        let files =
-            report::size_files(&result).map_err(|e| InputError::new("report", e.to_string()))?;
-        for (name, bytes) in files {
-            folder.write(&name, &bytes)?;
-        }
-        let place = folder.publish()?;
+    if let Some(folder) = &args.output {
+        let files = report::size_files(&result);
+        outputs.folder(folder, files.map_err(|e| InputError::fault("report", e.to_string()))?)?;
+        outputs.write()?;
         if !args.json {
-            say!("\n{}", place.join("size.png").display());
+            say!("\n{}", folder.join("size.png").display());
         }
     }
     Ok(Outcome::Done)

@@ -3,7 +3,7 @@
 use super::plan_print::print;
 use super::progress::Progress;
 use super::{Failure, Outcome};
-use crate::files::{InputError, OutputFolder, write_whole};
+use crate::files::{InputError, Outputs, remove_state};
 use crate::planner::{
     self, Checkpoint, Decision, PlanError, Request, RunResult, Step, load_preset,
 };
@@ -40,7 +40,7 @@ pub(super) struct AssessArgs {
 /// Options of both commands.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Common {
-    /// Folder to write; replaced only if ergopath made it.
+    /// Folder to write; only files that ergopath wrote there are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Seed of all randomness; without it the scenario's, else 0.
@@ -66,16 +66,19 @@ pub(super) struct Common {
     quiet: bool,
 }
 
+/// Header of the file of --timings.
+const TIMINGS: &str = "stage,seconds\n";
+
 /// Plans a scenario.
-pub(super) fn plan(args: &PlanArgs) -> Result<Outcome, Failure> {
+pub(super) fn plan(args: &PlanArgs, outputs: Outputs) -> Result<Outcome, Failure> {
     let scenario = read_scenario(&args.scenario)?;
     let resume =
         if args.resume { Some(Checkpoint::read(&unfinished(&args.common.output))?) } else { None };
-    run("plan", &scenario, &args.common, resume, planner::plan)
+    run("plan", &scenario, &args.common, resume, planner::plan, outputs)
 }
 
 /// Assesses paths.
-pub(super) fn assess(args: &AssessArgs) -> Result<Outcome, Failure> {
+pub(super) fn assess(args: &AssessArgs, outputs: Outputs) -> Result<Outcome, Failure> {
     let mut scenario = read_scenario(&args.scenario)?;
     for file in &args.path {
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
@@ -87,7 +90,7 @@ pub(super) fn assess(args: &AssessArgs) -> Result<Outcome, Failure> {
         scenario.warnings.extend(path.warning());
         scenario.paths.push(path);
     }
-    run("assess", &scenario, &args.common, None, planner::assess)
+    run("assess", &scenario, &args.common, None, planner::assess, outputs)
 }
 
 type Planner = fn(&Scenario, &Request, planner::Stage) -> Result<RunResult, PlanError>;
@@ -98,11 +101,15 @@ fn run(
     common: &Common,
     resume: Option<Checkpoint>,
     planner: Planner,
+    mut outputs: Outputs,
 ) -> Result<Outcome, Failure> {
     let started = Instant::now();
     let preset = load_preset(&common.planner)?;
-    // A folder that cannot be written fails now, not after the work.
-    drop(OutputFolder::create(&common.output)?);
+    // What cannot be written fails now, not after the work.
+    outputs.expect_folder(&common.output)?;
+    if let Some(file) = &common.timings {
+        outputs.expect_file(file, TIMINGS.as_bytes())?;
+    }
     for warning in &scenario.warnings {
         complain!("warning: {warning}");
     }
@@ -114,40 +121,26 @@ fn run(
         let tell = |s: Step| progress.tell_best(s.stage, s.done, s.total, s.best);
         planner(scenario, &request, &tell)
     })?
-    .map_err(|e| stopped(e, &common.output))?;
+    .map_err(|e| stopped(e, &common.output, outputs.another()))?;
     let planned_s = started.elapsed().as_secs_f64();
-    let folder = OutputFolder::create(&common.output)?;
-    for (name, bytes) in
-        report::files(&result).map_err(|e| InputError::new("report", e.to_string()))?
-    {
-        folder.write(&name, &bytes)?;
-    }
-    let written = folder.publish()?;
-    // A run that came to its end needs no way back; that there was none is no fault.
-    let _ = std::fs::remove_file(unfinished(&common.output));
-    let total_s = started.elapsed().as_secs_f64();
+    let fault = |e: report::ReportError| InputError::fault("report", e.to_string());
+    outputs.folder(&common.output, report::files(&result).map_err(fault)?)?;
+    let report_s = started.elapsed().as_secs_f64() - planned_s;
     if let Some(file) = &common.timings {
-        let text =
-            format!("stage,seconds\nplan,{planned_s:.3}\nreport,{:.3}\n", total_s - planned_s);
-        write_whole(file, text.as_bytes())?;
+        outputs.file(file, format!("{TIMINGS}plan,{planned_s:.3}\nreport,{report_s:.3}\n"))?;
     }
+    outputs.write()?;
+    // A run that came to its end needs no way back.
+    remove_state(&unfinished(&common.output));
     if common.json {
-        say!(
-            "{}",
-            report::result_json(&result).map_err(|e| InputError::new("report", e.to_string()))?
-        );
+        say!("{}", report::result_json(&result).map_err(fault)?);
     } else {
         print(&result, common.quiet);
         if !common.quiet {
             let shown = common.output.join("report.html");
-            say!(
-                "\n{}  ({planned_s:.1} s planning, {:.1} s report)",
-                shown.display(),
-                total_s - planned_s
-            );
+            say!("\n{}  ({planned_s:.1} s planning, {report_s:.1} s report)", shown.display());
         }
     }
-    let _ = written;
     Ok(match result.verdict.outcome {
         Decision::Best | Decision::Assessed | Decision::NotSupported => Outcome::Done,
         Decision::NothingFeasible => Outcome::NothingFeasible,
@@ -166,7 +159,7 @@ pub(super) fn with_threads<R: Send>(
             .into());
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| InputError::new("--threads", e.to_string()))?;
+    let pool = pool.map_err(|e| InputError::fault("--threads", e.to_string()))?;
     Ok(pool.install(work))
 }
 
@@ -192,10 +185,13 @@ pub(super) fn unfinished_words(kept: &Checkpoint) -> String {
 }
 
 /// The failure of a run; an interrupted search is kept, so that it can go on.
-fn stopped(error: PlanError, output: &Path) -> Failure {
+fn stopped(error: PlanError, output: &Path, mut outputs: Outputs) -> Failure {
     let PlanError::Interrupted(Some(checkpoint)) = error else { return failure(error) };
     let file = unfinished(output);
-    let kept = checkpoint.text().and_then(|text| write_whole(&file, text.as_bytes()));
+    let kept = checkpoint.text().and_then(|text| {
+        outputs.state(&file, text)?;
+        outputs.write()
+    });
     match kept {
         Ok(()) => InputError::new("run", "interrupted; no result was written")
             .remedy(format!(

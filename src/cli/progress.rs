@@ -1,13 +1,34 @@
-//! Progress on a terminal, and a safe end on Ctrl-C.
+//! Progress on a terminal, and a safe end on Ctrl-C, SIGTERM and SIGHUP.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock, Mutex};
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-static HANDLER: Once = Once::new();
+/// Set by a signal; the first use installs the handlers. Without them a signal simply kills the program,
+/// which is safe as well.
+static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
+    let flag = Arc::new(AtomicBool::new(false));
+    for signal in signals() {
+        let _ = signal_hook::flag::register(signal, Arc::clone(&flag));
+    }
+    flag
+});
+
+/// Signals that ask for an end. One that the caller has told us to ignore (`nohup`) stays ignored.
+#[cfg(unix)]
+fn signals() -> impl Iterator<Item = i32> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
+    let ignored = mask.and_then(|m| u64::from_str_radix(m.trim(), 16).ok()).unwrap_or(0);
+    [SIGINT, SIGTERM, SIGHUP].into_iter().filter(move |s| ignored & (1 << (s - 1)) == 0)
+}
+
+#[cfg(not(unix))]
+fn signals() -> impl Iterator<Item = i32> {
+    [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM].into_iter()
+}
 
 /// A bar for each stage, shown only where somebody watches.
 #[derive(Debug)]
@@ -17,19 +38,16 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// From now on Ctrl-C ends the run at the next item, before anything is written.
+    /// From now on a signal ends the run at the next item, before anything is written.
     pub(super) fn new() -> Self {
-        HANDLER.call_once(|| {
-            // Without a handler Ctrl-C simply kills the program, which is safe as well.
-            let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
-        });
+        LazyLock::force(&INTERRUPTED);
         Self {
             bar: Mutex::new(("", ProgressBar::hidden())),
             is_shown: std::io::stderr().is_terminal(),
         }
     }
 
-    /// Notes where a stage stands; false after Ctrl-C.
+    /// Notes where a stage stands; false once a signal asked for an end.
     pub(super) fn tell(&self, stage: &'static str, done: usize, total: usize) -> bool {
         self.tell_best(stage, done, total, None)
     }
@@ -65,7 +83,7 @@ impl Progress {
         !Self::is_interrupted()
     }
 
-    /// Whether Ctrl-C was pressed.
+    /// Whether a signal asked for an end.
     pub(super) fn is_interrupted() -> bool {
         INTERRUPTED.load(Ordering::Relaxed)
     }

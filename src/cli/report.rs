@@ -1,7 +1,7 @@
 //! `ergopath report`: the page, figures and tables of a finished run made again from its result.
 
 use super::{Failure, Outcome};
-use crate::files::{InputError, OutputFolder, read_bytes, write_whole};
+use crate::files::{InputError, Outputs, read_bytes};
 use crate::planner::{Freshness, freshness, read_result, result_file};
 use crate::report;
 use std::path::{Path, PathBuf};
@@ -24,29 +24,25 @@ pub(super) struct Args {
 }
 
 /// Makes the files again.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let result = read_result(&args.result)?;
     let freshness = freshness(&result, &args.result, args.scenario.as_deref())?;
     let out_of_date = out_of_date(&freshness);
-    let files = report::files_again(&result, out_of_date.as_deref())
-        .map_err(|e| InputError::new("report", e.to_string()))?;
+    let mut files = report::files_again(&result, out_of_date.as_deref())
+        .map_err(|e| InputError::fault("report", e.to_string()))?;
     let source = result_file(&args.result);
-    let target = if let Some(target) = &args.output {
-        let folder = OutputFolder::create(target)?;
-        for (name, bytes) in &files {
-            // The result is copied, not written anew.
-            let copy = (name == "result.json").then(|| read_bytes(&source)).transpose()?;
-            folder.write(name, copy.as_deref().unwrap_or(bytes))?;
-        }
-        folder.publish()?;
-        target.clone()
+    let own = source.parent().unwrap_or(Path::new(""));
+    let own = if own.as_os_str().is_empty() { Path::new(".") } else { own };
+    let target = args.output.as_deref().unwrap_or(own);
+    files.retain(|(name, _)| name != "result.json");
+    if target.canonicalize().ok() == own.canonicalize().ok() {
+        outputs.add_to_folder(target, files)?;
     } else {
-        let folder = source.parent().unwrap_or(Path::new("")).to_owned();
-        for (name, bytes) in files.iter().filter(|(name, _)| name != "result.json") {
-            write_whole(&folder.join(name), bytes)?;
-        }
-        folder
-    };
+        // The result is copied, not written anew.
+        files.push(("result.json".to_owned(), read_bytes(&source)?));
+        outputs.folder(target, files)?;
+    }
+    outputs.write()?;
     if let Some(what) = &out_of_date {
         complain!("out of date: {what}");
     }

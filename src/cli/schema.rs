@@ -1,7 +1,7 @@
 //! `ergopath schema`: JSON Schemas of the files that people write, for editors.
 
 use super::{Failure, Outcome};
-use crate::files::{InputError, write_whole};
+use crate::files::{InputError, Outputs};
 use crate::planner::planner_schema;
 use crate::scenario::scenario_schema;
 use clap::ValueEnum;
@@ -35,27 +35,34 @@ impl Kind {
     }
 
     fn text(self) -> Result<String, InputError> {
-        let schema = match self {
+        let mut schema = match self {
             Self::Scenario => scenario_schema(),
             Self::Planner => planner_schema(),
         };
+        // By this a schema is known as one that may be replaced (`files::signature`).
+        schema["$comment"] = "ergopath/schema/1".into();
         let text = serde_json::to_string_pretty(&schema);
         Ok(text.map_err(|e| InputError::new(self.name(), e.to_string()))? + "\n")
     }
 }
 
 /// Prints or writes.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let kinds = args.kind.map_or_else(|| Kind::value_variants().to_vec(), |k| vec![k]);
+    let mut shown = Vec::new();
     for kind in kinds {
         let text = kind.text()?;
         if let Some(folder) = &args.output {
             let path = folder.join(format!("{}.schema.json", kind.name()));
-            write_whole(&path, text.as_bytes())?;
-            say!("{}", path.display());
+            outputs.file(&path, text)?;
+            shown.push(path.display().to_string());
         } else {
-            say!("{}", text.trim_end());
+            shown.push(text.trim_end().to_owned());
         }
+    }
+    outputs.write()?;
+    for text in shown {
+        say!("{text}");
     }
     Ok(Outcome::Done)
 }

@@ -1,10 +1,11 @@
 //! `ergopath score`: RULA and REBA of worksheets, of recorded motions and of sampled postures.
 
 use super::score_motion;
+use super::stdout::print_bytes;
 use super::train::parse_side;
 use super::{Failure, Outcome};
 use crate::ergonomics::Profile;
-use crate::files::{InputError, read_bytes, suggest, write_whole};
+use crate::files::{InputError, Outputs, read_bytes, suggest};
 use crate::human::Side;
 use crate::scoring::{Neck, score_table};
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ pub(super) struct Args {
     /// A CSV table of worksheets, a row for each posture and side: scores every row.
     #[arg(long, value_name = "IN.csv")]
     pub worksheet: Option<PathBuf>,
-    /// Folder to write for a motion, replaced only if ergopath made it. File to write for worksheets;
+    /// Folder to write for a motion; only files that ergopath wrote there are replaced. File to write for worksheets;
     /// `-` or nothing prints the table.
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
@@ -150,9 +151,9 @@ fn seat_height(text: &str) -> Result<f64, String> {
 }
 
 /// Scores and writes or prints.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
     if let Some(table) = &args.worksheet {
-        return worksheet(table, args);
+        return worksheet(table, args, outputs);
     }
     if args.task.trunk_supported && !args.task.seated && args.task.seat_height_m.is_none() {
         return Err(InputError::new("--trunk-supported", "only a seat has a backrest")
@@ -160,7 +161,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
             .into());
     }
     match (&args.motions[..], args.paired) {
-        ([motion], false) => score_motion::single(motion, args),
+        ([motion], false) => score_motion::single(motion, args, outputs),
         ([a, b], true) => score_motion::paired(a, b, args),
         (_, true) => Err(InputError::new("--paired", "compares exactly two files of rollouts")
             .remedy("ergopath score A.csv B.csv --paired --scenario FILE.toml")
@@ -176,18 +177,16 @@ pub(super) fn file(output: Option<&PathBuf>) -> Option<&Path> {
     output.map(PathBuf::as_path).filter(|p| *p != Path::new("-"))
 }
 
-fn worksheet(table: &Path, args: &Args) -> Result<Outcome, Failure> {
+fn worksheet(table: &Path, args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let scored = score_table(table, &read_bytes(table)?, &args.profile)?;
     match file(args.output.as_ref()) {
         Some(path) => {
-            write_whole(path, &scored.csv)?;
+            outputs.file(path, scored.csv)?;
+            outputs.write()?;
             let name = args.profile.name;
             say!("{}: {} rows scored, profile {name}", path.display(), scored.rows);
         }
-        None => {
-            // A reader that has gone (`| head`) is no reason to fail.
-            let _ = std::io::Write::write_all(&mut std::io::stdout(), &scored.csv);
-        }
+        None => print_bytes(&scored.csv),
     }
     Ok(Outcome::Done)
 }

@@ -4,7 +4,7 @@ use super::score::{Args, file};
 use super::score_print::{print_paired, print_text};
 use super::{Failure, Outcome};
 use crate::ergonomics::{PairedDifference, TimeRules, paired_difference};
-use crate::files::{InputError, OutputFolder};
+use crate::files::{InputError, Outputs};
 use crate::human::{Body, Side, Stance};
 use crate::recording::read;
 use crate::report::{Picked, sheet_files};
@@ -36,18 +36,19 @@ struct Scored {
 }
 
 /// Scores one motion.
-pub(super) fn single(path: &Path, args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn single(path: &Path, args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let output = file(args.output.as_ref());
     if let Some(folder) = output {
         // A folder that cannot be written fails now, not after the work.
-        drop(OutputFolder::create(folder)?);
+        outputs.expect_folder(folder)?;
     }
     let setting = setting(args)?;
     let scored = score(path, &setting, args)?;
     let json = serde_json::to_string_pretty(&scored.summary)
-        .map_err(|e| InputError::new("summary.json", e.to_string()))?;
+        .map_err(|e| InputError::fault("summary.json", e.to_string()))?;
     if let Some(folder) = output {
-        write(folder, &scored, &json, args)?;
+        outputs.folder(folder, files(&scored, &json, args)?)?;
+        outputs.write()?;
     }
     for note in &scored.summary.notes {
         complain!("note: {}: {note}", scored.summary.source);
@@ -153,26 +154,23 @@ fn read_any(path: &Path, setting: &Setting, args: &Args) -> Result<Motion, Input
     read_recorded(&recording, &setting.body, sides)
 }
 
-fn write(folder: &Path, scored: &Scored, json: &str, args: &Args) -> Result<(), InputError> {
-    let out = OutputFolder::create(folder)?;
-    out.write("summary.json", format!("{json}\n").as_bytes())?;
-    out.write("frames.csv", &frames_csv(&scored.motion, &scored.sides)?)?;
+fn files(scored: &Scored, json: &str, args: &Args) -> Result<Vec<(String, Vec<u8>)>, InputError> {
+    let mut files = vec![
+        ("summary.json".to_owned(), format!("{json}\n").into_bytes()),
+        ("frames.csv".to_owned(), frames_csv(&scored.motion, &scored.sides)?),
+    ];
     if let Some(sheet) = &args.sheet {
         for (i, side) in scored.sides.iter().enumerate() {
             let summary = &scored.summary.sides[i];
             for (track, time) in picks(sheet, side, summary)? {
                 let picked =
                     Picked { summary: &scored.summary, side, inputs: &summary.inputs, track, time };
-                let files = sheet_files(&picked)
-                    .map_err(|e| InputError::new("worksheets", e.to_string()))?;
-                for (name, bytes) in files {
-                    out.write(&name, &bytes)?;
-                }
+                let sheets = sheet_files(&picked);
+                files.extend(sheets.map_err(|e| InputError::fault("worksheets", e.to_string()))?);
             }
         }
     }
-    out.publish()?;
-    Ok(())
+    Ok(files)
 }
 
 /// Track and frame of every sheet that was asked for. A time is looked up in the first track; of

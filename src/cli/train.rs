@@ -2,9 +2,9 @@
 
 use super::train_print::{print_json, print_text};
 use super::{Failure, Outcome};
-use crate::files::{InputError, OutputFolder, suggest, write_whole};
+use crate::files::{InputError, Outputs, suggest};
 use crate::human::{Body, Side};
-use crate::posture::{Method, PostureModel, Provenance, save_model};
+use crate::posture::{MODEL_SCHEMA, Method, PostureModel, Provenance, model_text};
 use crate::recording::read;
 use crate::report::{Learned, ReportError, held_out_figure, weights_figure};
 use crate::training::{
@@ -89,7 +89,7 @@ pub(super) struct Wanted<'a> {
 }
 
 /// Trains and writes the model.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let body = Body::load(&args.body, Path::new("."))?;
     let settings = TrainSettings { has_attraction: !args.no_attraction, ..Default::default() };
     let wanted = Wanted { person: args.person.as_deref(), side: args.side, body: &body };
@@ -101,18 +101,21 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let dataset = Dataset::new(&trials, &body, args.side)?;
     let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
     let name = args.name.clone().unwrap_or_else(|| stem.replace('_', " "));
-    // Opened before the work: a folder that cannot be written must not cost minutes.
-    let folder = figures_folder(args)?;
+    // What cannot be written must not cost minutes.
+    outputs.expect_file(&args.output, MODEL_SCHEMA.as_bytes())?;
+    args.figures.as_deref().map_or(Ok(()), |folder| outputs.expect_folder(folder))?;
     let model = train(&dataset, &name, args.method, &settings, provenance(&sources, &body, args))?;
     let mut pictures = Vec::new();
-    if let Some(folder) = &folder {
-        pictures = draw(&dataset, &trials, &model, &settings)?;
-        for (name, png) in &pictures {
-            folder.write(name, png)?;
-        }
+    if let Some(folder) = &args.figures {
+        let drawn = draw(&dataset, &trials, &model, &settings)?;
+        pictures.extend(drawn.iter().map(|(name, _)| folder.join(name)));
+        outputs.folder(folder, drawn.into_iter().map(|(name, png)| (name.to_owned(), png)))?;
     }
-    write(&dataset, &model, folder, args)?;
-    let pictures = paths(args, &pictures);
+    if let Some(export) = &args.export {
+        outputs.file(export, data_csv(&dataset))?;
+    }
+    outputs.file(&args.output, model_text(&model)?)?;
+    outputs.write()?;
     for note in sources.iter().flat_map(|s| &s.notes) {
         complain!("warning: {note}");
     }
@@ -288,23 +291,6 @@ fn provenance(sources: &[Source], body: &Body, args: &Args) -> Provenance {
     }
 }
 
-/// The open folder for pictures; no other file of the run may lie in it, since it is replaced as a whole.
-fn figures_folder(args: &Args) -> Result<Option<OutputFolder>, InputError> {
-    let Some(folder) = &args.figures else { return Ok(None) };
-    let absolute = |path: &Path| std::path::absolute(path).ok();
-    for (path, option) in [(Some(&args.output), "--output"), (args.export.as_ref(), "--export")] {
-        let (Some(path), Some(within)) = (path.and_then(|p| absolute(p)), absolute(folder)) else {
-            continue;
-        };
-        if path.starts_with(within) {
-            let message = format!("would also hold the file of {option}");
-            return Err(InputError::new(folder, message)
-                .remedy("give --figures a folder of its own: it is replaced as a whole"));
-        }
-    }
-    OutputFolder::create(folder).map(Some)
-}
-
 /// The pictures as (name, bytes).
 fn draw(
     dataset: &Dataset,
@@ -312,7 +298,7 @@ fn draw(
     model: &PostureModel,
     settings: &TrainSettings,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, InputError> {
-    let fault = |e: ReportError| InputError::new("figures", e.to_string());
+    let fault = |e: ReportError| InputError::fault("figures", e.to_string());
     let whose = Learned { model: &model.name, is_simulated: model.provenance.simulated };
     let mut pictures = Vec::new();
     if let Some(spread) = weight_spread(dataset, model, settings)? {
@@ -332,40 +318,4 @@ fn no_weights(method: Method) -> Option<&'static str> {
         method if method.identifies_weights() => None,
         _ => Some("W of this method is the identity: all joints weigh the same"),
     }
-}
-
-/// Where the pictures are.
-fn paths(args: &Args, pictures: &[(&str, Vec<u8>)]) -> Vec<PathBuf> {
-    let folder = args.figures.as_deref().unwrap_or(Path::new(""));
-    pictures.iter().map(|(name, _)| folder.join(name)).collect()
-}
-
-/// Model, data and pictures, all or none.
-fn write(
-    dataset: &Dataset,
-    model: &PostureModel,
-    folder: Option<OutputFolder>,
-    args: &Args,
-) -> Result<(), InputError> {
-    if let Some(export) = &args.export
-        && std::path::absolute(export).ok() == std::path::absolute(&args.output).ok()
-    {
-        return Err(InputError::new(export, "is named for both model and data")
-            .remedy("give --export and --output different names"));
-    }
-    // What this run made anew: taken away again if a later file cannot be written.
-    let new_export = args.export.as_ref().filter(|e| !e.exists());
-    let new_figures = args.figures.as_ref().filter(|f| !f.exists());
-    let write_all = || {
-        if let Some(export) = &args.export {
-            write_whole(export, data_csv(dataset).as_bytes())?;
-        }
-        folder.map(OutputFolder::publish).transpose()?;
-        save_model(model, &args.output)
-    };
-    write_all().inspect_err(|_| {
-        // The first error is the one to report; what stays is visible to the user.
-        let _ = new_export.map(std::fs::remove_file);
-        let _ = new_figures.map(std::fs::remove_dir_all);
-    })
 }

@@ -1,6 +1,7 @@
 //! The one error for input that a person can mend: file, place, value, remedy.
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
+use std::io;
 use std::path::Path;
 use thiserror::Error;
 
@@ -18,6 +19,7 @@ pub struct InputError {
     span: Option<SourceSpan>,
     #[help]
     help: Option<String>,
+    is_fault: bool,
 }
 
 impl InputError {
@@ -29,7 +31,46 @@ impl InputError {
             text: None,
             span: None,
             help: None,
+            is_fault: false,
         }
+    }
+
+    /// What no other input would mend: the program or the machine failed.
+    pub fn fault(what: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self { is_fault: true, ..Self::new(what, message) }
+    }
+
+    /// A place that could not be written: a name that cannot work is the caller's to mend, a full or
+    /// broken disk is a fault of the machine.
+    pub fn unwritable(place: impl AsRef<Path>, error: &io::Error) -> Self {
+        use io::ErrorKind as Kind;
+        // The words of the kind, where there are any: those of the system name temporary files.
+        let why = match error.kind().to_string() {
+            kind if kind.starts_with("uncategorized") || kind.starts_with("other") => {
+                error.to_string()
+            }
+            kind => kind,
+        };
+        let message = format!("cannot be written: {why}");
+        match error.kind() {
+            Kind::PermissionDenied
+            | Kind::ReadOnlyFilesystem
+            | Kind::NotADirectory
+            | Kind::IsADirectory
+            | Kind::NotFound
+            | Kind::AlreadyExists
+            | Kind::InvalidFilename
+            | Kind::InvalidInput => Self::new(place, message).remedy("write to another place"),
+            Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
+                Self::fault(place, message).remedy("make room, or write to another place")
+            }
+            _ => Self::fault(place, message),
+        }
+    }
+
+    /// Whether the program or the machine failed, and not the input.
+    pub fn is_fault(&self) -> bool {
+        self.is_fault
     }
 
     /// Adds the remedy.

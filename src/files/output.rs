@@ -1,180 +1,238 @@
-//! Writing whole or not at all: into a temporary place beside the target, then renamed.
+//! The one door for what a command writes: all of it or nothing, and nothing of the user's is lost.
+//!
+//! - A folder is replaced only where it carries our list of files, and only those files go.
+//! - A file is replaced only where ergopath wrote that kind of file before, or on demand.
+//! - No input of the call is ever replaced, under whichever of its names.
+//! - Links are followed; devices and pipes are written through.
 
 use super::error::InputError;
-use std::io::Write as _;
+use super::folder::{FolderOutput, Swapped};
+use super::inputs::{is_input, is_same_file};
+use super::marker::STAGING;
+use super::place::{NewFolders, Place, nearest_folder, stage, write_stdout, write_through};
+use super::signature::signature;
+use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
 
-/// The files by which a folder is known to be an output of ergopath and may be replaced.
-const MARKS: [&str; 5] =
-    ["result.json", "comparison.csv", "size.json", "toy-5r.json", "summary.json"];
+/// What one call writes, gathered and then written at once.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    overwrites: bool,
+    folders: Vec<FolderOutput>,
+    files: Vec<FileOutput>,
+}
 
-/// The pictures of a training. A folder of nothing else may be replaced too; one that holds anything
-/// beside them may be somebody's collection of figures.
-const PICTURES: [&str; 2] = ["held_out.png", "weights.png"];
-
-/// A folder of results that appears complete or not at all.
 #[derive(Debug)]
-pub struct OutputFolder {
-    target: PathBuf,
-    staging: tempfile::TempDir,
+struct FileOutput {
+    shown: PathBuf,
+    place: Place,
+    bytes: Vec<u8>,
+    /// State of the program's own that it goes on with and renews.
+    may_be_input: bool,
 }
 
-impl OutputFolder {
-    /// Opens a staging folder beside `target`. Fails at once, before any work, where the target
-    /// cannot be written or holds something that ergopath did not make.
-    pub fn create(target: &Path) -> Result<Self, InputError> {
-        let io = |e: std::io::Error| InputError::new(target, format!("cannot be written: {e}"));
-        let target = std::path::absolute(target).map_err(io)?;
-        if target.is_dir() {
-            if !MARKS.iter().any(|mark| target.join(mark).is_file())
-                && !holds_pictures_only(&target).map_err(io)?
-            {
-                return Err(InputError::new(
-                    &target,
-                    "exists and is not an ergopath output folder",
-                )
-                .remedy("choose another folder, or remove this one yourself"));
+impl Outputs {
+    /// With `overwrites` files that ergopath did not write are replaced too; inputs never.
+    pub fn new(overwrites: bool) -> Self {
+        Self { overwrites, ..Self::default() }
+    }
+
+    /// Nothing gathered, by the same rules.
+    #[must_use]
+    pub fn another(&self) -> Self {
+        Self::new(self.overwrites)
+    }
+
+    /// Refuses a folder now that could not be written after the work.
+    pub fn expect_folder(&self, target: &Path) -> Result<(), InputError> {
+        let folder = FolderOutput::new(target, BTreeMap::new(), false, self.overwrites)?;
+        folder.check()?;
+        folder.probe()
+    }
+
+    /// Refuses a file now that could not be written after the work; `like` begins as it will.
+    pub fn expect_file(&self, path: &Path, like: &[u8]) -> Result<(), InputError> {
+        let file = FileOutput::new(path, like.to_vec(), false)?;
+        file.check(self.overwrites)
+    }
+
+    /// A folder of these files; other files of ours in it go.
+    pub fn folder(
+        &mut self,
+        target: &Path,
+        files: impl IntoIterator<Item = (String, Vec<u8>)>,
+    ) -> Result<(), InputError> {
+        let files = files.into_iter().collect();
+        self.folders.push(FolderOutput::new(target, files, false, self.overwrites)?);
+        Ok(())
+    }
+
+    /// Files beside those that ergopath wrote to a folder before.
+    pub fn add_to_folder(
+        &mut self,
+        target: &Path,
+        files: impl IntoIterator<Item = (String, Vec<u8>)>,
+    ) -> Result<(), InputError> {
+        let files = files.into_iter().collect();
+        self.folders.push(FolderOutput::new(target, files, true, self.overwrites)?);
+        Ok(())
+    }
+
+    /// A file that the user named.
+    pub fn file(&mut self, path: &Path, bytes: impl Into<Vec<u8>>) -> Result<(), InputError> {
+        self.files.push(FileOutput::new(path, bytes.into(), false)?);
+        Ok(())
+    }
+
+    /// State of the program's own, which may have been read by the same call.
+    pub fn state(&mut self, path: &Path, bytes: impl Into<Vec<u8>>) -> Result<(), InputError> {
+        self.files.push(FileOutput::new(path, bytes.into(), true)?);
+        Ok(())
+    }
+
+    /// Writes everything. Where anything cannot be written, nothing is, but for what was written
+    /// through to a device.
+    pub fn write(self) -> Result<(), InputError> {
+        self.refuse_same()?;
+        for folder in &self.folders {
+            folder.check()?;
+        }
+        let mut staged = Vec::new();
+        for file in &self.files {
+            file.check(self.overwrites)?;
+            if let Some(temporary) = file.stage()? {
+                staged.push((file, temporary));
             }
-        } else if target.exists() {
-            return Err(
-                InputError::new(&target, "is a file, not a folder").remedy("choose another folder")
-            );
         }
-        let parent = target.parent().unwrap_or(Path::new("/"));
-        std::fs::create_dir_all(parent).map_err(io)?;
-        let staging =
-            tempfile::Builder::new().prefix(".ergopath-").tempdir_in(parent).map_err(io)?;
-        Ok(Self { target, staging })
+        let mut parents = NewFolders::default();
+        let mut swapped: Vec<Swapped> = Vec::new();
+        let result = self.move_in(staged, &mut parents, &mut swapped);
+        if result.is_err() {
+            drop(parents);
+            swapped.into_iter().rev().for_each(Swapped::undo);
+            return result;
+        }
+        parents.keep();
+        for (folder, swapped) in self.folders.iter().zip(swapped) {
+            swapped.finish().map_err(|e| InputError::unwritable(&folder.target, &e))?;
+        }
+        Ok(())
     }
 
-    /// Writes one file, with `/` in the name making sub-folders.
-    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), InputError> {
-        let path = self.staging.path().join(name);
-        let io = |e| InputError::new(&path, format!("cannot be written: {e}"));
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(io)?;
+    fn move_in<'a>(
+        &'a self,
+        staged: Vec<(&'a FileOutput, tempfile::NamedTempFile)>,
+        parents: &mut NewFolders,
+        swapped: &mut Vec<Swapped>,
+    ) -> Result<(), InputError> {
+        for file in &self.files {
+            file.write_through()?;
         }
-        std::fs::write(&path, bytes).map_err(io)
-    }
-
-    /// Puts the finished folder in place of the target.
-    pub fn publish(self) -> Result<PathBuf, InputError> {
-        let Self { target, staging } = self;
-        let io = |e: std::io::Error| InputError::new(&target, format!("cannot be replaced: {e}"));
-        let finished = staging.keep();
-        set_usual_permissions(&finished).map_err(io)?;
-        let old = target.with_file_name(format!(
-            ".ergopath-old-{}",
-            target.file_name().unwrap_or_default().to_string_lossy()
-        ));
-        let had_old = target.is_dir();
-        if had_old {
-            let _ = std::fs::remove_dir_all(&old);
-            std::fs::rename(&target, &old).map_err(io)?;
+        for folder in &self.folders {
+            swapped.push(folder.swap_in()?);
         }
-        if let Err(e) = std::fs::rename(&finished, &target) {
-            if had_old {
-                let _ = std::fs::rename(&old, &target);
+        let mut made: Vec<&Path> = Vec::new();
+        for (file, temporary) in staged {
+            let Place::File(place) = &file.place else { continue };
+            let is_new = !place.exists();
+            let moved = parents
+                .make(place.parent().unwrap_or(Path::new("/")))
+                .and_then(|()| temporary.persist(place).map_err(|e| e.error));
+            if let Err(e) = moved {
+                for path in made {
+                    let _ = std::fs::remove_file(path);
+                }
+                return Err(file.unwritable(&e));
             }
-            let _ = std::fs::remove_dir_all(&finished);
-            return Err(io(e));
+            if is_new {
+                made.push(place);
+            }
         }
-        if had_old {
-            let _ = std::fs::remove_dir_all(&old);
+        Ok(())
+    }
+
+    /// Two outputs of one call in the same place: one of them would be lost.
+    fn refuse_same(&self) -> Result<(), InputError> {
+        let mut places: Vec<(PathBuf, PathBuf)> = Vec::new();
+        for folder in &self.folders {
+            places.push((folder.target.clone(), folder.shown.clone()));
+            let names = folder.files.keys();
+            places.extend(names.map(|n| (folder.target.join(n), folder.shown.join(n))));
         }
-        Ok(target)
+        for file in &self.files {
+            let Place::File(place) = &file.place else { continue };
+            let is_there = |(p, _): &&(PathBuf, PathBuf)| p == place || is_same_file(p, place);
+            if let Some((_, same)) = places.iter().find(is_there) {
+                let message =
+                    format!("would be written twice: this call also writes `{}`", same.display());
+                return Err(InputError::new(&file.shown, message)
+                    .remedy("give each output a name of its own"));
+            }
+            places.push((place.clone(), file.shown.clone()));
+        }
+        Ok(())
     }
 }
 
-/// Whether a folder is empty, or holds no other files than [`PICTURES`].
-fn holds_pictures_only(folder: &Path) -> std::io::Result<bool> {
-    for entry in folder.read_dir()? {
-        let name = entry?.file_name();
-        if !PICTURES.iter().any(|picture| name == *picture) {
-            return Ok(false);
+impl FileOutput {
+    fn new(path: &Path, bytes: Vec<u8>, may_be_input: bool) -> Result<Self, InputError> {
+        Ok(Self { shown: path.to_owned(), place: Place::of(path)?, bytes, may_be_input })
+    }
+
+    fn unwritable(&self, e: &io::Error) -> InputError {
+        InputError::unwritable(&self.shown, e)
+    }
+
+    /// Refused: an input of this call, and a file that is not known as one of ours.
+    fn check(&self, overwrites: bool) -> Result<(), InputError> {
+        let Place::File(place) = &self.place else { return Ok(()) };
+        let error = |message: &str| {
+            Err(InputError::new(&self.shown, message).remedy("write to another file"))
+        };
+        let Ok(found) = place.metadata() else { return self.probe(place) };
+        if is_input(place) && !self.may_be_input {
+            return error("is an input of this call and would be overwritten");
         }
-    }
-    Ok(true)
-}
-
-/// Temporary folders are private; a published folder gets the permissions of any new folder.
-#[cfg(unix)]
-fn set_usual_permissions(folder: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn set_usual_permissions(_: &Path) -> std::io::Result<()> {
-    Ok(())
-}
-
-/// Writes one file whole or not at all.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
-    let io = |e: std::io::Error| InputError::new(path, format!("cannot be written: {e}"));
-    let parent = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    std::fs::create_dir_all(parent).map_err(io)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ergopath-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o644));
-    }
-    let mut file = builder.tempfile_in(parent).map_err(io)?;
-    file.write_all(bytes).map_err(io)?;
-    file.persist(path).map_err(|e| io(e.error))?;
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn appears_whole_and_replaces_only_its_own() {
-        let room = tempfile::tempdir().unwrap();
-        let target = room.path().join("out");
-        let folder = OutputFolder::create(&target).unwrap();
-        folder.write("paths/1.csv", b"a").unwrap();
-        folder.write(MARKS[0], b"{}").unwrap();
-        assert!(!target.exists());
-        folder.publish().unwrap();
-        assert_eq!(std::fs::read(target.join("paths/1.csv")).unwrap(), b"a");
-
-        let second = OutputFolder::create(&target).unwrap();
-        second.write(MARKS[0], b"{2}").unwrap();
-        second.publish().unwrap();
-        assert!(!target.join("paths").exists());
-
-        let foreign = room.path().join("mine");
-        std::fs::create_dir(&foreign).unwrap();
-        std::fs::write(foreign.join("thesis.tex"), b"x").unwrap();
-        assert!(OutputFolder::create(&foreign).is_err());
-
-        // Pictures of a training are replaced, unless something else lies beside them.
-        let pictures = room.path().join("pictures");
-        for _ in 0..2 {
-            let folder = OutputFolder::create(&pictures).unwrap();
-            folder.write(PICTURES[0], b"x").unwrap();
-            folder.publish().unwrap();
+        if found.permissions().readonly() {
+            return error("is write-protected");
         }
-        std::fs::write(pictures.join("my_own.png"), b"x").unwrap();
-        assert!(OutputFolder::create(&pictures).is_err());
-        std::fs::remove_dir_all(&pictures).unwrap();
-        // Nothing is left behind but the two folders.
-        assert_eq!(room.path().read_dir().unwrap().count(), 2);
+        if !overwrites {
+            let old = std::fs::read(place).map_err(|e| self.unwritable(&e))?;
+            let kind = signature(&self.bytes);
+            if old != self.bytes && !old.is_empty() && (kind.is_none() || signature(&old) != kind) {
+                let message = "exists and does not look like a file that ergopath wrote";
+                return Err(InputError::new(&self.shown, message)
+                    .remedy("write to another file, or replace this one with --overwrite"));
+            }
+        }
+        self.probe(place)
     }
 
-    #[test]
-    fn an_abandoned_folder_leaves_nothing() {
-        let room = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(&room.path().join("out")).unwrap();
-        folder.write("a", b"a").unwrap();
-        drop(folder);
-        assert_eq!(room.path().read_dir().unwrap().count(), 0);
+    fn probe(&self, place: &Path) -> Result<(), InputError> {
+        let probe = tempfile::Builder::new().prefix(STAGING).tempfile_in(nearest_folder(place));
+        probe.map(drop).map_err(|e| self.unwritable(&e))
+    }
+
+    fn stage(&self) -> Result<Option<tempfile::NamedTempFile>, InputError> {
+        let Place::File(place) = &self.place else { return Ok(None) };
+        stage(place, &self.bytes).map(Some).map_err(|e| self.unwritable(&e))
+    }
+
+    fn write_through(&self) -> Result<(), InputError> {
+        match &self.place {
+            Place::File(_) => Ok(()),
+            Place::Stdout => write_stdout(&self.bytes),
+            Place::Through(path) => write_through(path, &self.bytes),
+        }
+        .map_err(|e| self.unwritable(&e))
+    }
+}
+
+/// Takes away a file of the program's own state, if it is that.
+pub fn remove_state(path: &Path) {
+    let is_plain = path.symlink_metadata().is_ok_and(|m| m.is_file());
+    if is_plain && std::fs::read(path).is_ok_and(|b| signature(&b) == Some("unfinished")) {
+        let _ = std::fs::remove_file(path);
     }
 }

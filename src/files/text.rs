@@ -1,6 +1,7 @@
 //! Reading text and TOML.
 
 use super::error::{InputError, suggest};
+use super::inputs::note_input;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
@@ -8,6 +9,7 @@ use std::path::Path;
 
 /// Reads a file whole.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+    note_input(path);
     std::fs::read(path).map_err(|e| {
         let error = InputError::new(path, format!("cannot be read: {}", plain(&e)));
         match e.kind() {

@@ -2,7 +2,7 @@
 
 use super::pipeline::inputs_of;
 use super::result::{RESULT_SCHEMA, RunResult};
-use crate::files::{InputError, read_bytes, read_text, sha256_hex};
+use crate::files::{InputError, read_bytes, read_text, refuse_incomplete, sha256_hex};
 use crate::robot::JointTrajectory;
 use crate::scenario::read_scenario;
 use serde::Deserialize;
@@ -26,6 +26,7 @@ pub fn read_result(place: &Path) -> Result<RunResult, InputError> {
         let message = format!("is a folder without {RESULT_FILE}");
         return Err(InputError::new(place, message).remedy(REMEDY));
     }
+    refuse_incomplete(path.parent().unwrap_or(Path::new("")))?;
     parse_result(&path, &read_text(&path)?)
 }
 

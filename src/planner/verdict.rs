@@ -147,7 +147,7 @@ fn gain(candidates: &[CandidateResult], lead: &CandidateResult, body: &BodyScore
     let straight = by_family(Family::Straight)?;
     let retimed = by_family(Family::StraightRetimed);
     let without = format!("{WITHOUT}{TIMING}");
-    let unpaced = candidates.iter().filter(reported).find(|c| c.id == without).and_then(of_body);
+    let unpaced = candidates.iter().filter(usable).find(|c| c.id == without).and_then(of_body);
     let is_timed = retimed.is_some() || unpaced.is_some();
     let scores = PerMethod::of(|m| {
         let over = |other: &BodyScores| {

@@ -24,11 +24,16 @@ struct Head {
     schema: Option<String>,
 }
 
+/// A model as the text of its file.
+pub fn model_text(model: &PostureModel) -> Result<String, InputError> {
+    let text = serde_json::to_string(&Written { schema: MODEL_SCHEMA, model })
+        .map_err(|e| InputError::fault("posture model", e.to_string()))?;
+    Ok(text + "\n")
+}
+
 /// Writes a model whole or not at all.
 pub fn save_model(model: &PostureModel, path: &Path) -> Result<(), InputError> {
-    let text = serde_json::to_string(&Written { schema: MODEL_SCHEMA, model })
-        .map_err(|e| InputError::new(path, e.to_string()))?;
-    write_whole(path, format!("{text}\n").as_bytes())
+    write_whole(path, model_text(model)?.as_bytes())
 }
 
 /// Reads a shipped model by name or a file (relative to `folder`), with the SHA-256 of its text.

@@ -4,7 +4,7 @@ use super::axes::{SEGMENT_NAMES, mvnx_from_isb};
 use super::checks::{make_continuous, note_oddities, sort_segments};
 use super::mvnx_parse::{Export, parse};
 use super::{Recording, SegmentTrack, bare_name};
-use crate::files::{InputError, read_bytes};
+use crate::files::{InputError, note_input, read_bytes};
 use crate::math::Vec3;
 use nalgebra::UnitQuaternion;
 use sha2::{Digest, Sha256};
@@ -57,6 +57,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
             InputError::new(path, "cannot be opened").remedy("check its permissions")
         }));
     };
+    note_input(path);
     let mut input = BufReader::new(Hashing { inner: file, hash: Sha256::new() });
     let export = parse(&mut input).map_err(|fault| {
         let line = line_of(path, fault.byte);

@@ -112,6 +112,8 @@ pub(super) fn document(title: &str, intro: &Markup, body: &Markup, scripts: &Mar
         html lang="en" {
             head {
                 meta charset="utf-8";
+                // By this a page is known as one that may be replaced (`files::signature`).
+                meta name="generator" content="ergopath";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
                 style { (PreEscaped(CSS)) }

@@ -142,6 +142,8 @@ fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, png::Encodi
         yppu: DOTS_PER_M,
         unit: png::Unit::Meter,
     }));
+    // By this a picture is known as one that may be replaced (`files::signature`).
+    encoder.add_text_chunk("Software".to_owned(), "ergopath".to_owned())?;
     let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels)?;
     writer.finish()?;
