@@ -1,7 +1,5 @@
 //! Scores of published and independently computed postures, where their tables are at hand.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say they skip")]
-
 use ergopath::ergonomics::{
     Profile, RebaScores, RebaSteps, RulaScores, RulaSteps, RulaTableA, Worksheet, reba,
     reba_from_scores, reba_table_a, reba_table_b, rula, rula_from_scores, rula_table_a,

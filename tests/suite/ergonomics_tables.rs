@@ -1,7 +1,5 @@
 //! Every cell of every table against another transcription, where that is at hand.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say they skip")]
-
 use ergopath::ergonomics::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };
