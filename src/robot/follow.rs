@@ -384,5 +384,4 @@ fn at_limits(robot: &Robot, q: &[f64]) -> String {
 }
 
 #[cfg(test)]
-#[path = "follow_tests.rs"]
 mod tests;
