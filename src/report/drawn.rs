@@ -75,10 +75,7 @@ impl Figure {
 
     /// The words of each key of the legend that shows this pen: they follow on its sample.
     pub(super) fn keys_of_line(&self, of: Pen) -> Vec<&str> {
-        let of_pair = |pair: &'_ [Mark]| match pair {
-            [Mark::Line(points, pen), Mark::Text(_)] if *pen == of && points.len() == 2 => true,
-            _ => false,
-        };
+        let of_pair = |pair: &'_ [Mark]| matches!(pair, [Mark::Line(points, pen), Mark::Text(_)] if *pen == of && points.len() == 2);
         self.0.windows(2).filter(|p| of_pair(p)).filter_map(|p| text(&p[1])).collect()
     }
 

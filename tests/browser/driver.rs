@@ -1,6 +1,6 @@
 //! A browser tab as the tests need it: what it complains of and asks the network for is recorded.
 //!
-//! It speaks the browser's own protocol (Chrome DevTools Protocol) over two pipes: JSON texts, each
+//! It speaks the browser's own protocol (that of its developer tools) over two pipes: JSON texts, each
 //! ended by a zero byte. The browser expects them as its descriptors 3 and 4, which a shell arranges.
 
 use base64::Engine;
@@ -145,7 +145,7 @@ impl Session {
         let id = &target["targetId"];
         let attached =
             session.call("Target.attachToTarget", &json!({ "targetId": id, "flatten": true }));
-        session.tab = attached["sessionId"].as_str().unwrap().to_owned();
+        attached["sessionId"].as_str().unwrap().clone_into(&mut session.tab);
         for domain in ["Page", "Log", "Runtime", "Network"] {
             session.call(&format!("{domain}.enable"), &json!({}));
         }
