@@ -1,9 +1,9 @@
 //! Every cell of every score table against a transcription of our own, made apart from the program's,
 //! and that one against the reference material, where it is at hand.
 //!
-//! Sources of the cells: McAtamney and Corlett 1993 (RULA), the sheet of Cornell 2001 (its RULA table A),
-//! Hignett and McAtamney 2000 (REBA). The program keeps rows; here stand columns, so that one slip is
-//! hardly made twice. A digit is a score; `a`, `b`, `c` are 10, 11, 12.
+//! Sources of the cells: Applied Ergonomics 24(2):91-99, 1993 (RULA), the sheet of Cornell 2001 (its RULA
+//! table A), Applied Ergonomics 31:201-205, 2000 (REBA). The program keeps rows; here stand columns, so
+//! that one slip is hardly made twice. A digit is a score; `a`, `b`, `c` are 10, 11, 12.
 
 use crate::skips::shared;
 use ergopath::ergonomics::{
