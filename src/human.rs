@@ -26,4 +26,4 @@ pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use proportions::{BodySize, Sex};
 pub use reach::{reach_ball, reach_gap};
 pub use side::Side;
-pub use skeleton::{PosedSkeleton, Segment, Skeleton, bones};
+pub use skeleton::{PosedSkeleton, Segment, Skeleton};

@@ -66,7 +66,7 @@
 //! symmetric positive definite n x n weight matrix of the pseudo-inverse
 //! `J_W^+ = W J^T (J W J^T)^-1`.
 //!
-//! Modules import only modules on lower floors; `tests/layers.rs` holds the list and the guard.
+//! Modules import only modules on lower floors; `tests/suite/layers.rs` holds the list and the guard.
 
 pub mod cli;
 pub mod ergobench;
@@ -88,3 +88,7 @@ pub mod survey;
 pub mod training;
 pub mod trajectory;
 pub mod words;
+
+#[cfg(test)]
+#[path = "../tests/suite/skips.rs"]
+mod skips;

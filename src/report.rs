@@ -20,6 +20,10 @@ mod comparison;
 mod comparison_figure;
 mod comparison_page;
 mod comparison_table;
+#[cfg(test)]
+mod drawn;
+#[cfg(test)]
+mod drawn_tests;
 mod figure_box;
 mod figure_cell;
 mod figure_forest;

@@ -95,6 +95,8 @@ pub struct Surveyor {
     upper: Measured,
     /// All segments, for drawings.
     whole: Skeleton,
+    bones: Vec<[Segment; 2]>,
+    head: Segment,
     pelvis: Pose,
     side: Side,
     is_seated: bool,
@@ -127,23 +129,23 @@ impl Measured {
     fn new(body: &Body, side: Side, with_legs: bool) -> Result<Self, InputError> {
         let skeleton = Skeleton::new(body, side, with_legs)?;
         let still = skeleton.pose(&vec![0.0; skeleton.dof()]);
-        let arms = [side, side.other()].map(|side| {
-            let of = |part: &str| skeleton.segment(&format!("{}{part}", side.prefix()));
-            ArmSegments {
-                side,
-                girdle: of("Shoulder"),
-                upper: of("UpperArm"),
-                fore: of("ForeArm"),
-                hand: of("Hand"),
-                shoulder_lateral_m: {
-                    let from = still.at(skeleton.segment("Neck")).translation.vector;
-                    (still.at(of("UpperArm")).translation.vector - from).z.abs()
-                },
-            }
-        });
         let of = |name: &str| skeleton.segment(name);
-        let (l5, t8, neck, head) = (of("L5"), of("T8"), of("Neck"), of("Head"));
-        let grip = of(side.grip());
+        let (l5, t8, neck, head) = (of("L5")?, of("T8")?, of("Neck")?, of("Head")?);
+        let grip = of(side.grip())?;
+        let arm = |side: Side| {
+            let of = |part: &str| skeleton.segment(&format!("{}{part}", side.prefix()));
+            let upper = of("UpperArm")?;
+            let [from, to] = [neck, upper].map(|s| still.at(s).translation.vector);
+            Ok::<_, InputError>(ArmSegments {
+                side,
+                girdle: of("Shoulder")?,
+                upper,
+                fore: of("ForeArm")?,
+                hand: of("Hand")?,
+                shoulder_lateral_m: (to - from).z.abs(),
+            })
+        };
+        let arms = [arm(side)?, arm(side.other())?];
         Ok(Self { skeleton, l5, t8, neck, head, grip, arms })
     }
 }
@@ -168,7 +170,9 @@ impl Surveyor {
     pub fn new(body: &Body, side: Side, pelvis: Pose, stance: Stance) -> Result<Self, InputError> {
         let whole = Skeleton::new(body, side, true)?;
         let is_seated = matches!(stance, Stance::Seated { .. });
-        Ok(Self { upper: Measured::new(body, side, false)?, whole, pelvis, side, is_seated })
+        let (bones, head) = (whole.bones()?, whole.segment("Head")?);
+        let upper = Measured::new(body, side, false)?;
+        Ok(Self { upper, whole, bones, head, pelvis, side, is_seated })
     }
 
     /// Body angles of the posture `q` (n joints of the coupled chain, rad).
@@ -218,11 +222,9 @@ impl Surveyor {
             }
         }
         let posed = self.whole.pose(&all);
-        let at =
-            |name: &str| -> [f64; 3] { (pelvis * posed.segment(name)).translation.vector.into() };
-        let mut bones: Vec<[[f64; 3]; 2]> =
-            crate::human::bones().iter().map(|(a, b)| [at(a), at(b)]).collect();
-        let head = pelvis * posed.segment("Head");
+        let at = |s: Segment| -> [f64; 3] { (pelvis * posed.at(s)).translation.vector.into() };
+        let mut bones: Vec<[[f64; 3]; 2]> = self.bones.iter().map(|pair| pair.map(at)).collect();
+        let head = pelvis * posed.at(self.head);
         let crown = head * nalgebra::Point3::new(0.0, 0.14, 0.0);
         bones.push([head.translation.vector.into(), crown.coords.into()]);
         bones

@@ -71,7 +71,7 @@ impl Envelope {
         let segments = Segments::new(body)?;
         let mut names = vec![side.grip().to_owned()];
         let mut parts = Vec::new();
-        for sketch in segments.sketches(side) {
+        for sketch in segments.sketches(side)? {
             let tip = (sketch.segment != "Pelvis").then(|| {
                 names.iter().position(|n| *n == sketch.segment).unwrap_or_else(|| {
                     names.push(sketch.segment.clone());
@@ -156,9 +156,9 @@ impl<'a> Segments<'a> {
     }
 
     /// Origins of segments in the pelvis frame; all frames are parallel there.
-    fn at(&self, name: &str) -> Vec3 {
+    fn at(&self, name: &str) -> Result<Vec3, InputError> {
         let posed = self.skeleton.pose(&vec![0.0; self.skeleton.dof()]);
-        posed.segment(name).translation.vector
+        Ok(posed.at(self.skeleton.segment(name)?).translation.vector)
     }
 
     fn mass(&self, name: &str) -> f64 {
@@ -173,48 +173,49 @@ impl<'a> Segments<'a> {
         Sketch { name, segment, ends: [Vec3::zeros(), axis], radius_m, is_coupled }
     }
 
-    fn sketches(&self, coupled: Side) -> Vec<Sketch> {
-        let mut all = self.trunk();
-        all.push(self.limb("neck".into(), "Neck".into(), self.at("Head") - self.at("Neck"), false));
-        all.push(self.head());
+    fn sketches(&self, coupled: Side) -> Result<Vec<Sketch>, InputError> {
+        let way = |from: &str, to: &str| Ok::<_, InputError>(self.at(to)? - self.at(from)?);
+        let mut all = self.trunk()?;
+        all.push(self.limb("neck".into(), "Neck".into(), way("Neck", "Head")?, false));
+        all.push(self.head()?);
         for side in [Side::Right, Side::Left] {
             let prefix = side.prefix();
             let low = prefix.to_lowercase();
             let of = |segment: &str| format!("{prefix}{segment}");
-            let way = |from: &str, to: &str| self.at(&of(to)) - self.at(&of(from));
+            let way = |from: &str, to: &str| way(&of(from), &of(to));
             let is_coupled = side == coupled;
             let hand = Vec3::new(0.0, -CLOSED_HAND * self.body.hand_length_m, 0.0);
             all.extend([
                 self.limb(
                     format!("{low} upper arm"),
                     of("UpperArm"),
-                    way("UpperArm", "ForeArm"),
+                    way("UpperArm", "ForeArm")?,
                     false,
                 ),
                 self.limb(
                     format!("{low} forearm"),
                     of("ForeArm"),
-                    way("ForeArm", "Hand"),
+                    way("ForeArm", "Hand")?,
                     is_coupled,
                 ),
                 self.limb(format!("{low} hand"), of("Hand"), hand, is_coupled),
                 self.limb(
                     format!("{low} thigh"),
                     of("UpperLeg"),
-                    way("UpperLeg", "LowerLeg"),
+                    way("UpperLeg", "LowerLeg")?,
                     false,
                 ),
-                self.limb(format!("{low} shank"), of("LowerLeg"), way("LowerLeg", "Foot"), false),
-                self.limb(format!("{low} foot"), of("Foot"), way("Foot", "Toe"), false),
+                self.limb(format!("{low} shank"), of("LowerLeg"), way("LowerLeg", "Foot")?, false),
+                self.limb(format!("{low} foot"), of("Foot"), way("Foot", "Toe")?, false),
             ]);
         }
-        all
+        Ok(all)
     }
 
     /// A ball-ended head from the joint to the crown that holds its mass.
-    fn head(&self) -> Sketch {
+    fn head(&self) -> Result<Sketch, InputError> {
         let crown = self.body.size.stature_m - self.body.standing_pelvis_height_m;
-        let length = crown - self.at("Head").y;
+        let length = crown - self.at("Head")?.y;
         let volume = self.mass("Head") / LIMB_DENSITY;
         let held = |r: f64| PI * r * r * (length - 2.0 * r) + 4.0 / 3.0 * PI * r.powi(3);
         let (mut low, mut high) = (0.0, 0.5 * length);
@@ -224,25 +225,25 @@ impl<'a> Segments<'a> {
         }
         let ends = [low, length - low].map(|y| Vec3::new(0.0, y, 0.0));
         let (name, segment) = ("head".to_owned(), "Head".to_owned());
-        Sketch { name, segment, ends, radius_m: low, is_coupled: false }
+        Ok(Sketch { name, segment, ends, radius_m: low, is_coupled: false })
     }
 
     /// Pelvis to chest: pairs of capsules side by side.
-    fn trunk(&self) -> Vec<Sketch> {
+    fn trunk(&self) -> Result<Vec<Sketch>, InputError> {
         let masses = ["Pelvis", "L5", "L3", "T12", "T8", "RightShoulder", "LeftShoulder"];
         let mass: f64 = masses.iter().map(|m| self.mass(m)).sum();
-        let length = self.at("Neck").y + BELOW_HIPS * self.body.size.stature_m;
+        let length = self.at("Neck")?.y + BELOW_HIPS * self.body.size.stature_m;
         let area = mass / TRUNK_DENSITY / length;
         // pi d^2 / 4 + d (b - d), with b = d / ratio.
         let depth = (area / (FRAC_PI_4 + 1.0 / TRUNK_DEPTH - 1.0)).sqrt();
         let (radius_m, aside) = (0.5 * depth, 0.5 * depth * (1.0 / TRUNK_DEPTH - 1.0));
-        let y = |name: &str| self.at(name).y;
-        let top = y("Neck") - y("T8") - 0.5 * radius_m;
+        let y = |name: &str| self.at(name).map(|p| p.y);
+        let [l5, l3, t12, t8, neck] = [y("L5")?, y("L3")?, y("T12")?, y("T8")?, y("Neck")?];
         let pieces = [
-            ("pelvis", "Pelvis", radius_m - BELOW_HIPS * self.body.size.stature_m, y("L5")),
-            ("abdomen", "L3", y("L5") - y("L3"), y("T12") - y("L3")),
-            ("lower chest", "T12", 0.0, y("T8") - y("T12")),
-            ("chest", "T8", 0.0, top),
+            ("pelvis", "Pelvis", radius_m - BELOW_HIPS * self.body.size.stature_m, l5),
+            ("abdomen", "L3", l5 - l3, t12 - l3),
+            ("lower chest", "T12", 0.0, t8 - t12),
+            ("chest", "T8", 0.0, neck - t8 - 0.5 * radius_m),
         ];
         let both = |(name, segment, low, high): (&str, &str, f64, f64)| {
             [aside, -aside].map(|z| Sketch {
@@ -253,7 +254,7 @@ impl<'a> Segments<'a> {
                 is_coupled: false,
             })
         };
-        pieces.into_iter().flat_map(both).collect()
+        Ok(pieces.into_iter().flat_map(both).collect())
     }
 }
 

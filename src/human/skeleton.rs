@@ -2,11 +2,12 @@
 
 use super::body::Body;
 use super::side::Side;
-use crate::files::InputError;
+use crate::files::{InputError, suggest};
 use crate::kinematics::{Frames, Linkage, Tip};
 use crate::math::Pose;
 use nalgebra::Matrix6xX;
 
+const PELVIS: &str = "Pelvis";
 /// Links whose origins are joint centres, in the order of a drawing.
 const TRUNK: &[&str] = &["L5", "L3", "T12", "T8", "Neck", "Head"];
 const ARM: &[&str] = &["Shoulder", "UpperArm", "ForeArm", "Hand", "Grip"];
@@ -19,7 +20,7 @@ pub struct Skeleton {
     names: Vec<String>,
 }
 
-/// A segment of one skeleton; the pelvis for a name that it does not have.
+/// A segment of one skeleton, by its place among the tips; the pelvis is none of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Segment(Option<usize>);
 
@@ -48,7 +49,7 @@ impl Skeleton {
             }
         }
         let tips: Vec<Tip> = names.iter().map(|n| Tip::link(n)).collect();
-        let linkage = Linkage::new(&body.model, "Pelvis", &tips)
+        let linkage = Linkage::new(&body.model, PELVIS, &tips)
             .map_err(|e| InputError::new(&body.name, format!("is no ergopath body: {e}")))?;
         Ok(Self { linkage, names })
     }
@@ -63,9 +64,29 @@ impl Skeleton {
         self.linkage.joints().iter().position(|j| j.name == joint)
     }
 
-    /// The segment of a name.
-    pub fn segment(&self, name: &str) -> Segment {
-        Segment(self.names.iter().position(|n| n == name))
+    /// The segment of a name; an error that suggests another for one that this skeleton lacks.
+    pub fn segment(&self, name: &str) -> Result<Segment, InputError> {
+        if name == PELVIS {
+            return Ok(Segment(None));
+        }
+        match self.names.iter().position(|n| n == name) {
+            Some(i) => Ok(Segment(Some(i))),
+            None => Err(self.unknown(name)),
+        }
+    }
+
+    fn unknown(&self, name: &str) -> InputError {
+        let error = InputError::new(name, "is no segment of this skeleton");
+        match suggest(name, self.names.iter().map(String::as_str).chain([PELVIS])) {
+            Some(remedy) => error.remedy(remedy),
+            None => error,
+        }
+    }
+
+    /// The bones to draw, as pairs of segments whose origins they join; for a skeleton with legs.
+    pub fn bones(&self) -> Result<Vec<[Segment; 2]>, InputError> {
+        let pair = |(a, b): &(String, String)| Ok([self.segment(a)?, self.segment(b)?]);
+        bones().iter().map(pair).collect()
     }
 
     /// Poses all segments; `q` holds all columns (rad), the coupled chain first.
@@ -91,29 +112,46 @@ impl PosedSkeleton<'_> {
             .0
             .map_or_else(|| Matrix6xX::zeros(linkage.dof()), |i| linkage.jacobian(&self.frames, i))
     }
-
-    /// Pose of a segment's frame in the pelvis frame; identity for `Pelvis` and unknown names.
-    pub fn segment(&self, name: &str) -> Pose {
-        self.at(self.skeleton.segment(name))
-    }
 }
 
-/// The bones to draw, as pairs of segment names whose origins they join.
-pub fn bones() -> Vec<(String, String)> {
+/// The same by name.
+fn bones() -> Vec<(String, String)> {
     let chain = |names: Vec<String>| -> Vec<(String, String)> {
         names.windows(2).map(|p| (p[0].clone(), p[1].clone())).collect()
     };
     let mut all = Vec::new();
-    let mut spine = vec!["Pelvis".to_owned()];
+    let mut spine = vec![PELVIS.to_owned()];
     spine.extend(TRUNK.iter().map(|&s| s.to_owned()));
     all.extend(chain(spine));
     for side in ["Right", "Left"] {
         let mut arm = vec!["T8".to_owned()];
         arm.extend(ARM.iter().map(|p| format!("{side}{p}")));
         all.extend(chain(arm));
-        let mut leg = vec!["Pelvis".to_owned()];
+        let mut leg = vec![PELVIS.to_owned()];
         leg.extend(LEG.iter().map(|p| format!("{side}{p}")));
         all.extend(chain(leg));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_segment_is_refused_and_the_pelvis_is_where_it_is() {
+        let body = Body::load("female_p50", std::path::Path::new(".")).unwrap();
+        let skeleton = Skeleton::new(&body, Side::Right, true).unwrap();
+        let posed = skeleton.pose(&vec![0.0; skeleton.dof()]);
+        assert_eq!(posed.at(skeleton.segment("Pelvis").unwrap()), Pose::identity());
+        let head = posed.at(skeleton.segment("Head").unwrap()).translation.vector;
+        assert!(head.y > 0.4, "{head}");
+        let error = skeleton.segment("Haed").unwrap_err();
+        let shown = format!("{:?}", miette::Report::new(error));
+        assert!(shown.contains("Haed") && shown.contains("did you mean `Head`?"), "{shown}");
+        // One without legs has no bones of legs.
+        assert_eq!(skeleton.bones().unwrap().len(), 24);
+        let upper = Skeleton::new(&body, Side::Right, false).unwrap();
+        assert!(upper.segment("RightFoot").is_err() && upper.bones().is_err());
+    }
 }

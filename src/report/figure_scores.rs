@@ -160,7 +160,7 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
 
 /// The bars: every path for the body of the verdict; the lead, the straight path and the user's own for
 /// the other bodies too.
-fn level_rows<'a>(view: &View<'a>) -> Vec<(&'a CandidateResult, &'a BodyScores)> {
+pub(super) fn level_rows<'a>(view: &View<'a>) -> Vec<(&'a CandidateResult, &'a BodyScores)> {
     let is_verdicts = |b: &BodyScores| Some(b.body.as_str()) == view.body;
     let is_shown_whole = |c: &CandidateResult| {
         let beside = view.lead.iter().chain(&view.straight).chain(&view.own);

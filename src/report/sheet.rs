@@ -2,6 +2,8 @@
 //! down, so that lines of any width have soft edges. Pixels here are those of the finished figure.
 
 use super::ReportError;
+#[cfg(test)]
+use super::drawn::{Mark, note};
 use super::style::{FONT, INK, Pen, Stroke, WHITE};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -162,6 +164,8 @@ fn stroke(color: RGBAColor, width: f64) -> ShapeStyle {
 impl Sheet<'_> {
     /// A filled rectangle between two corners.
     pub(super) fn fill(&self, a: At, b: At, color: RGBColor) -> Drawn {
+        #[cfg(test)]
+        note(Mark::Area(vec![a, (b.0, a.1), b, (a.0, b.1)], color));
         Ok(self.area.draw(&Rectangle::new([fine(a), fine(b)], color.filled()))?)
     }
 
@@ -173,12 +177,16 @@ impl Sheet<'_> {
 
     /// A filled shape, `opacity` 0 to 1.
     pub(super) fn shape(&self, corners: &[At], color: RGBColor, opacity: f64) -> Drawn {
+        #[cfg(test)]
+        note(Mark::Area(corners.to_vec(), color));
         let points: Vec<_> = corners.iter().map(|p| fine(*p)).collect();
         Ok(self.area.draw(&Polygon::new(points, color.mix(opacity)))?)
     }
 
     /// A line through points.
     pub(super) fn line(&self, points: &[At], pen: Pen) -> Drawn {
+        #[cfg(test)]
+        note(Mark::Line(points.to_vec(), pen));
         let points: Vec<_> = points.iter().map(|p| fine(*p)).collect();
         let style = stroke(pen.color.to_rgba(), pen.width);
         let (drawn, gap) = match pen.stroke {
@@ -191,6 +199,8 @@ impl Sheet<'_> {
 
     /// A filled disc with a white rim.
     pub(super) fn disc(&self, at: At, radius: f64, color: RGBColor) -> Drawn {
+        #[cfg(test)]
+        note(Mark::Disc(at, color));
         let radius = radius * f64::from(FINER);
         let rim = 1.5 * f64::from(FINER);
         self.area.draw(&Circle::new(fine(at), (radius + rim) as i32, WHITE.filled()))?;
@@ -199,6 +209,8 @@ impl Sheet<'_> {
 
     /// A text; its point is at half its height.
     pub(super) fn text(&self, text: &str, at: At, kind: Type, anchor: Anchor) -> Drawn {
+        #[cfg(test)]
+        note(Mark::Text(text.to_owned()));
         // The box of a text counts the room for descenders; its letters stand a little high in it.
         let at = (at.0, at.1 + 0.12 * kind.size);
         Ok(self.area.draw(&Text::new(text.to_owned(), fine(at), kind.style(anchor)))?)
@@ -248,6 +260,8 @@ impl Sheet<'_> {
 
     /// A text that runs upwards, its middle at the point.
     pub(super) fn upward(&self, text: &str, at: At, kind: Type) -> Drawn {
+        #[cfg(test)]
+        note(Mark::Text(text.to_owned()));
         let style = kind.style(Anchor::Middle).transform(FontTransform::Rotate270);
         Ok(self.area.draw(&Text::new(text.to_owned(), fine(at), style))?)
     }

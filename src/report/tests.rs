@@ -9,8 +9,9 @@ use crate::scenario::read_scenario;
 use crate::words::number;
 use serde_json::Value;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use tempfile::TempDir;
 
 const SCENARIO: &str = r#"
 schema = "ergopath/scenario/1"
@@ -52,7 +53,8 @@ human_load_share = 0.3
 coupling = "good"
 "#;
 
-fn run(speed: &str, with_own_path: bool) -> RunResult {
+/// The scenario as a file, with all that it needs beside it.
+pub(super) fn scenario_file(speed: &str, with_own_path: bool) -> (TempDir, PathBuf) {
     let room = tempfile::tempdir().unwrap();
     let body = Body::load("female_p50", Path::new(".")).unwrap();
     let model = simulated_operator(&body, Side::Right).unwrap();
@@ -71,6 +73,11 @@ fn run(speed: &str, with_own_path: bool) -> RunResult {
     }
     let file = room.path().join("scenario.toml");
     std::fs::write(&file, text).unwrap();
+    (room, file)
+}
+
+fn run(speed: &str, with_own_path: bool) -> RunResult {
+    let (_room, file) = scenario_file(speed, with_own_path);
     let mut preset = load_preset("quick").unwrap();
     (preset.population, preset.generations, preset.steps) = (5, 2, 40);
     (preset.rollouts_first, preset.rollouts_most, preset.rollouts_final) = (2, 3, 12);
@@ -85,7 +92,7 @@ fn run(speed: &str, with_own_path: bool) -> RunResult {
     plan(&read_scenario(&file).unwrap(), &request, &|_| true).unwrap()
 }
 
-fn feasible() -> &'static RunResult {
+pub(super) fn feasible() -> &'static RunResult {
     static RUN: OnceLock<RunResult> = OnceLock::new();
     RUN.get_or_init(|| run("0.5", true))
 }
@@ -128,7 +135,7 @@ fn assert_self_contained(page: &str) {
         assert!(!without_scripts(page).contains(word), "{word}");
     }
     // Scripts stand in the page, and the page's own ones ask nobody for anything. What the library
-    // does is watched in a browser, by `tests/browser.rs`.
+    // does is watched in a browser, by `tests/browser`.
     for script in page.split("<script").skip(1) {
         assert!(!script.split('>').next().unwrap().contains("src"));
         let text = script.split("</script>").next().unwrap();

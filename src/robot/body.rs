@@ -450,11 +450,8 @@ mod tests {
 
     #[test]
     fn the_panda_s_capsules_cover_the_maker_s() {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../shared/models/robots/panda_collision.urdf");
-        if !file.is_file() {
-            return; // Not every checkout has it.
-        }
+        let name = "models/robots/panda_collision.urdf";
+        let Some(file) = crate::skips::shared(name) else { return };
         let own = Robot::preset("panda").unwrap();
         let maker = Robot::from_urdf(&file, "panda_link0", "panda_hand_tcp").unwrap();
         let covers = capsules(&own, &own.home);

@@ -362,5 +362,4 @@ fn at_limits(robot: &Robot, q: &[f64]) -> Vec<AtLimit> {
 }
 
 #[cfg(test)]
-#[path = "follow_tests.rs"]
 mod tests;

@@ -223,12 +223,9 @@ mod tests {
 
     #[test]
     fn agrees_with_the_maker_s_urdf() {
-        let shared =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/robots/panda.urdf");
-        if !shared.is_file() {
-            return; // Not every checkout has it; the tables above do not need it.
-        }
-        let model = read_urdf(&shared).unwrap();
+        // Not every checkout has it; the tables above do not need it.
+        let Some(file) = crate::skips::shared("models/robots/panda.urdf") else { return };
+        let model = read_urdf(&file).unwrap();
         let other = Linkage::chain(&model, "panda_link0", "panda_hand_tcp").unwrap();
         let robot = Robot::preset("panda").unwrap();
         let mut frames = Frames::default();

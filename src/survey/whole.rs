@@ -81,11 +81,11 @@ impl WholeSurveyor {
     pub fn new(body: &Body) -> Result<Self, InputError> {
         let parts = Measured::new(body, Side::Right, true)?;
         let leg = |side: Side| {
-            ["UpperLeg", "LowerLeg", "Foot"]
-                .map(|part| parts.skeleton.segment(&format!("{}{part}", side.prefix())))
+            let of = |part: &str| parts.skeleton.segment(&format!("{}{part}", side.prefix()));
+            Ok::<_, InputError>([of("UpperLeg")?, of("LowerLeg")?, of("Foot")?])
         };
-        let spine = ["L3", "T12"].map(|name| parts.skeleton.segment(name));
-        let legs = [leg(Side::Right), leg(Side::Left)];
+        let spine = [parts.skeleton.segment("L3")?, parts.skeleton.segment("T12")?];
+        let legs = [leg(Side::Right)?, leg(Side::Left)?];
         let names = |side: Side| -> Result<Vec<String>, InputError> {
             Ok(body.arm(side)?.joints().iter().map(|j| j.name.clone()).collect())
         };

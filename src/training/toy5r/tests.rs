@@ -1,25 +1,21 @@
 //! The 5R problem against a reference data set made by another program, and its trajectories.
 
-#![allow(clippy::print_stdout, reason = "says when it skips, and the figures it judges")]
+#![allow(clippy::print_stdout, reason = "says the figures it judges")]
 
 use super::*;
 use crate::files::{NumericTable, read_text};
 use crate::kinematics::{Frames, Linkage, read_urdf};
 use crate::math::redundancy::oblique_projector;
 use crate::math::stats::{mean, std_dev};
-use std::path::Path;
+use crate::skips::shared;
 
 fn rms(x: &[f64]) -> f64 {
     mean(&x.iter().map(|v| v * v).collect::<Vec<_>>()).sqrt()
 }
 
-/// The reference data set; `None`, and a word about it, where it is absent.
+/// The reference data set, where it is at hand.
 fn reference() -> Option<ToyProblem> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/toy5r/seed0.csv");
-    if !path.exists() {
-        println!("skipped: the reference data set of the 5R problem is not here");
-        return None;
-    }
+    let path = shared("toy5r/seed0.csv")?;
     let table = NumericTable::read(&path).unwrap();
     let about = read_text(&path.with_extension("json")).unwrap();
     let about: serde_json::Value = serde_json::from_str(&about).unwrap();
@@ -251,11 +247,7 @@ fn the_truth_lies_in_its_own_band() {
 
 #[test]
 fn the_reference_description_is_the_same_chain() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/toy5r/planar5r.urdf");
-    if !path.exists() {
-        println!("skipped: the reference description of the 5R chain is not here");
-        return;
-    }
+    let Some(path) = shared("toy5r/planar5r.urdf") else { return };
     let linkage = Linkage::chain(&read_urdf(&path).unwrap(), BASE, TIP).unwrap();
     let problem = generate(2, &ToyConstants::default()).unwrap();
     let mut frames = Frames::default();

@@ -1,24 +1,16 @@
 //! Training on real recordings, where they are at hand: the ranking of the methods.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-#![allow(clippy::print_stdout, reason = "says when it skips, and the figures it judges")]
-
+use crate::skips::shared;
 use ergopath::human::{Body, BodySize, Sex, Side};
 use ergopath::posture::Method;
 use ergopath::recording::read;
 use ergopath::training::{
     Dataset, FitSettings, Judging, RolloutScore, TrainSettings, Trial, evaluate, fit,
 };
-use std::path::Path;
 
-/// One person of the shared hand-over as a data set; `None`, and a word about it, where it is absent.
+/// One person of the shared hand-over as a data set.
 fn handover(person: &str, sex: Sex) -> Option<Dataset> {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings").join("kth_handover");
-    if !path.exists() {
-        println!("skipped: kth_handover is not here");
-        return None;
-    }
+    let path = shared("recordings/kth_handover")?;
     let size = BodySize { sex, stature_m: 1.55, mass_kg: 60.0 };
     let body = Body::of_size(person, size).unwrap();
     let recording = read(&path, Some(person)).unwrap();

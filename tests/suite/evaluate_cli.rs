@@ -1,27 +1,12 @@
 //! `ergopath evaluate` and `experiment` from outside: the reference data set, and what is refused.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "tests may panic and say what they skip"
-)]
-
-use assert_cmd::Command;
+use crate::common;
+use crate::skips::shared;
 use predicates::prelude::*;
 use predicates::str::contains;
-use std::path::{Path, PathBuf};
 
 fn ergopath(arguments: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("ergopath").unwrap().args(arguments).assert()
-}
-
-fn toy() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/toy5r");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: {} is absent", folder.display());
-    None
+    common::ergopath().args(arguments).assert()
 }
 
 fn json(text: &[u8]) -> serde_json::Value {
@@ -51,11 +36,11 @@ fn weight_error(found: &serde_json::Value, truth: &serde_json::Value) -> f64 {
 
 #[test]
 fn the_reference_data_set_is_predicted_as_well_as_by_the_reference() {
-    let Some(folder) = toy() else { return };
+    let Some(folder) = shared("toy5r") else { return };
     let data = folder.join("seed0.csv");
     let chain = format!("{}:base:tip", folder.join("planar5r.urdf").display());
     let run = |threads: &str| {
-        let mut command = Command::cargo_bin("ergopath").unwrap();
+        let mut command = common::ergopath();
         command.env("RAYON_NUM_THREADS", threads);
         command.args(["evaluate", data.to_str().unwrap(), "--chain", &chain, "--json"]);
         command.args(["--task", "planar", "--task-noise", "0.00118"]);

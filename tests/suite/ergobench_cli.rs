@@ -1,12 +1,11 @@
 //! `ergopath bench` from outside: one family of the quick subset, and the same bytes again.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
+use crate::common::ergopath;
 use assert_cmd::Command;
 use serde_json::Value;
 
 fn bench(threads: &str, output: &std::path::Path) -> Command {
-    let mut command = Command::cargo_bin("ergopath").unwrap();
+    let mut command = ergopath();
     command.args(["bench", "--quick", "--families", "bench", "--seed", "7", "--repetitions", "64"]);
     command.args(["--threads", threads, "-o"]).arg(output);
     command
@@ -39,8 +38,7 @@ fn our_path_is_better_than_the_straight_one_under_the_truth() {
 
 #[test]
 fn a_misspelt_family_is_refused() {
-    Command::cargo_bin("ergopath")
-        .unwrap()
+    ergopath()
         .args(["bench", "--families", "bnech"])
         .assert()
         .code(2)

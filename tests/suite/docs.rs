@@ -1,11 +1,7 @@
 //! The guide says what is so: links lead somewhere, commands have the options that they are shown with,
 //! and the tables of keys are those of the formats.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
-mod common;
-
-use common::ergopath;
+use crate::common::ergopath;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

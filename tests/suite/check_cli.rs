@@ -1,10 +1,6 @@
 //! `ergopath check`: files of every kind in words, the cell before planning, and what to measure well.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
-mod common;
-
-use common::{assert_refused, ergopath, plan, workplace};
+use crate::common::{assert_refused, ergopath, plan, workplace};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;

@@ -1,11 +1,6 @@
 //! Kinematics against an independent crate and against finite differences, on every URDF at hand.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "tests may panic and say what they skip"
-)]
-
+use crate::skips::shared;
 use ergopath::kinematics::{Frames, Linkage, Model, Tip, read_urdf};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::math::{Pose, Vec3};
@@ -30,13 +25,11 @@ fn urdfs(folder: &Path) -> Vec<PathBuf> {
 
 fn all_urdfs() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = root.join("../shared");
-    if !shared.is_dir() {
-        eprintln!("skipped in part: ../shared is absent, only the shipped URDFs are tried");
-    }
     let mut found = urdfs(&root.join("models"));
-    found.extend(urdfs(&shared.join("models")));
-    found.extend(urdfs(&shared.join("toy5r")));
+    // The shipped ones are tried in any case.
+    for folder in ["models", "toy5r"] {
+        found.extend(shared(folder).iter().flat_map(|f| urdfs(f)));
+    }
     found
 }
 
@@ -140,12 +133,8 @@ fn jacobians_are_derivatives_of_poses() {
 
 #[test]
 fn a_base_below_the_root_gives_poses_in_its_own_frame() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/robots/panda.urdf");
-    if !root.is_file() {
-        eprintln!("skipped: ../shared is absent");
-        return;
-    }
-    let model = read_urdf(&root).unwrap();
+    let Some(file) = shared("models/robots/panda.urdf") else { return };
+    let model = read_urdf(&file).unwrap();
     let whole = Linkage::chain(&model, "panda_link0", "panda_hand_tcp").unwrap();
     let upper = Linkage::chain(&model, "panda_link0", "panda_link3").unwrap();
     let rest = Linkage::chain(&model, "panda_link3", "panda_hand_tcp").unwrap();

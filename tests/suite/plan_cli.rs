@@ -1,10 +1,6 @@
 //! The program as its user meets it: planning, assessing, and what it refuses.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
-mod common;
-
-use common::{ergopath, files, plan, workplace};
+use crate::common::{ergopath, files, plan, workplace};
 use predicates::prelude::*;
 use std::path::Path;
 

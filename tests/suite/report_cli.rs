@@ -1,10 +1,6 @@
 //! Finished runs: the report made again, with what has changed since.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
-mod common;
-
-use common::{assert_refused, ergopath, files, plan, workplace};
+use crate::common::{assert_refused, ergopath, files, plan, workplace};
 use predicates::prelude::*;
 use predicates::str::contains;
 

@@ -1,25 +1,19 @@
-//! Scores of published and independently computed postures, where their tables are at hand.
+//! Scores of postures worked out by hand, and of published and independently computed ones where their
+//! tables are at hand.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say they skip")]
-
+use crate::skips::shared;
 use ergopath::ergonomics::{
     Profile, RebaScores, RebaSteps, RulaScores, RulaSteps, RulaTableA, Worksheet, reba,
     reba_from_scores, reba_table_a, reba_table_b, rula, rula_from_scores, rula_table_a,
     rula_table_b,
 };
 use std::collections::HashMap;
-use std::path::Path;
 
 type Row = HashMap<String, String>;
 
 /// Rows of a table of the ergonomics folder beside the crate; `None` where there is no such folder.
 fn rows(file: &str) -> Option<Vec<Row>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/ergonomics");
-    if !folder.is_dir() {
-        eprintln!("skipped: no folder {}", folder.display());
-        return None;
-    }
-    let mut reader = csv::Reader::from_path(folder.join(file)).unwrap();
+    let mut reader = csv::Reader::from_path(shared(&format!("ergonomics/{file}"))?).unwrap();
     Some(reader.deserialize().map(|row| row.unwrap()).collect())
 }
 
@@ -66,6 +60,151 @@ fn clear_of_thresholds(sheet: &Worksheet, p: &Profile) -> bool {
     ];
     // Rounding of decimal cells: 46.0 - 45.0 must count as 1.
     checks.iter().all(|(angle, at)| at.iter().all(|t| (angle - t).abs() >= 1.0 - 1e-9))
+}
+
+/// A posture and what the two sheets give when they are filled in by hand, every number.
+struct ByHand {
+    what: &'static str,
+    sheet: Worksheet,
+    /// In the order of [`RulaSteps::COLUMNS`].
+    rula: [u8; 15],
+    /// In the order of [`RebaSteps::COLUMNS`].
+    reba: [u8; 15],
+}
+
+/// Angles are clear of all thresholds, so that every convention reads them alike, except that trunk
+/// extension counts 2 in RULA.
+#[allow(clippy::too_many_lines, reason = "a table")]
+fn by_hand() -> [ByHand; 6] {
+    let upright = Worksheet { elbow_flex_deg: 80.0, ..Worksheet::default() };
+    [
+        // RULA: arm 1, 1, 1, 1 and neck, trunk, legs 1: all tables 1. REBA the same.
+        ByHand {
+            what: "assembly at elbow height",
+            sheet: Worksheet { upper_arm_flex_deg: 10.0, neck_flex_deg: 7.0, ..upright },
+            rula: [1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1],
+            reba: [1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 0],
+        },
+        // RULA: 3 + 1 abducted, 2, 3 + 1 deviated, twist 2: 5, with muscle 1 and force 1 it is 7;
+        // neck 3 + 1, trunk 3 + 1, legs 2: 7, and 9. REBA: neck 2 + 1, trunk 3 + 1, legs 2 + 1 for
+        // the knee: 8, with load 9; arm 3 + 1, 2, wrist 2 + 1: 7, with the grip 8; C 11, repeated 12.
+        ByHand {
+            what: "reaching into a bin",
+            sheet: Worksheet {
+                upper_arm_flex_deg: 60.0,
+                upper_arm_abducted: true,
+                elbow_flex_deg: 30.0,
+                wrist_flex_deg: 25.0,
+                wrist_deviated: true,
+                wrist_twist_end: true,
+                neck_flex_deg: 27.0,
+                neck_twisted: true,
+                trunk_flex_deg: 40.0,
+                trunk_twisted: true,
+                legs_unbalanced: true,
+                knee_flex_deg: 45.0,
+                load_kg: 6.0,
+                repeated_gt_4min: true,
+                coupling: 1,
+                ..upright
+            },
+            rula: [4, 2, 4, 2, 5, 1, 1, 7, 4, 4, 2, 7, 9, 7, 4],
+            reba: [3, 4, 3, 8, 1, 9, 4, 2, 3, 7, 8, 11, 1, 12, 4],
+        },
+        // RULA: 4 + 1 raised, 2, 2, 1: 6, with muscle 7; neck 4, trunk 2: 5, and 6. REBA: neck 2,
+        // trunk 2: 3; arm 4 + 1, 2, 1: 7; C 6, held 7.
+        ByHand {
+            what: "work overhead, held",
+            sheet: Worksheet {
+                upper_arm_flex_deg: 110.0,
+                shoulder_raised: true,
+                elbow_flex_deg: 40.0,
+                wrist_flex_deg: -10.0,
+                neck_flex_deg: -15.0,
+                trunk_flex_deg: -10.0,
+                load_kg: 1.0,
+                static_gt_1min: true,
+                ..upright
+            },
+            rula: [5, 2, 2, 1, 6, 1, 0, 7, 4, 2, 1, 5, 6, 7, 4],
+            reba: [2, 2, 1, 3, 0, 3, 5, 2, 1, 7, 7, 6, 1, 7, 2],
+        },
+        // RULA: 2 - 1 supported, 1 + 1 across, 1, 1: 2; neck 2, trunk 1: 2. REBA: all 1.
+        ByHand {
+            what: "seated and supported, the forearm across",
+            sheet: Worksheet {
+                upper_arm_flex_deg: 30.0,
+                arm_supported: true,
+                forearm_across_or_out: true,
+                neck_flex_deg: 15.0,
+                trunk_seated_supported: true,
+                sitting: true,
+                ..upright
+            },
+            rula: [1, 2, 1, 1, 2, 0, 0, 2, 2, 1, 1, 2, 2, 2, 1],
+            reba: [1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 0],
+        },
+        // RULA: 4, 2, 1, 1: 4, with a shock of 3 it is 7; neck 2, trunk 4 + 1: 6, and 9. REBA: neck 1,
+        // trunk 4 + 1, legs 1 + 2 for the knee: 7, with load 2 + 1 it is 10; arm 4, 2, 1: 5, with the
+        // grip 7; C 11, rapid 12.
+        ByHand {
+            what: "a jerked lift from the floor",
+            sheet: Worksheet {
+                upper_arm_flex_deg: 100.0,
+                elbow_flex_deg: 20.0,
+                neck_flex_deg: 15.0,
+                trunk_flex_deg: 80.0,
+                trunk_side: true,
+                knee_flex_deg: 80.0,
+                load_kg: 15.0,
+                load_shock: true,
+                rapid_large_changes: true,
+                coupling: 2,
+                ..upright
+            },
+            rula: [4, 2, 1, 1, 4, 0, 3, 7, 2, 5, 1, 6, 9, 7, 4],
+            reba: [1, 5, 3, 7, 3, 10, 4, 2, 1, 5, 7, 11, 1, 12, 4],
+        },
+        // RULA: 2, 2, 3, 1: 3, with a held load of 2 it is 5; neck 2 + 1, trunk 2: 3, and 5. REBA: neck
+        // 1 + 1, trunk 2: 3; arm 2, 2, 2: 3; C 3.
+        ByHand {
+            what: "pulling from behind",
+            sheet: Worksheet {
+                upper_arm_flex_deg: -30.0,
+                elbow_flex_deg: 110.0,
+                wrist_flex_deg: -25.0,
+                neck_flex_deg: 15.0,
+                neck_side: true,
+                trunk_flex_deg: 10.0,
+                load_kg: 3.0,
+                load_static_or_repeated: true,
+                ..upright
+            },
+            rula: [2, 2, 3, 1, 3, 0, 2, 5, 3, 2, 1, 3, 5, 6, 3],
+            reba: [2, 2, 1, 3, 0, 3, 2, 2, 2, 3, 3, 3, 0, 3, 1],
+        },
+    ]
+}
+
+#[test]
+fn sheets_filled_in_by_hand_are_reproduced() {
+    for profile in ["vignais2017", "reference"] {
+        let profile = Profile::by_name(profile).unwrap();
+        for ByHand { what, sheet, rula: by_rula, reba: by_reba } in by_hand() {
+            assert_eq!(
+                rula(&sheet, &profile).values(),
+                by_rula,
+                "{what}: {:?}",
+                RulaSteps::COLUMNS
+            );
+            assert_eq!(
+                reba(&sheet, &profile).values(),
+                by_reba,
+                "{what}: {:?}",
+                RebaSteps::COLUMNS
+            );
+        }
+    }
 }
 
 #[test]

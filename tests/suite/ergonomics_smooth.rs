@@ -1,22 +1,15 @@
 //! Smooth scores against the official ones on independently scored postures, where their table is at
 //! hand.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say they skip")]
-
+use crate::skips::shared;
 use ergopath::ergonomics::{
     DEFAULT_WIDTH_DEG, Profile, Worksheet, reba, rula, smooth_reba_sheet, smooth_rula_sheet,
 };
 use std::collections::HashMap;
-use std::path::Path;
 
 /// Sheets of the kinds that do not sit on thresholds; `None` where there is no such table.
 fn sheets() -> Option<Vec<Worksheet>> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/ergonomics/postures.csv");
-    if !file.is_file() {
-        eprintln!("skipped: no file {}", file.display());
-        return None;
-    }
-    let mut reader = csv::Reader::from_path(file).unwrap();
+    let mut reader = csv::Reader::from_path(shared("ergonomics/postures.csv")?).unwrap();
     let rows = reader.deserialize().map(|row| row.unwrap());
     let hard = rows.filter(|row: &HashMap<String, String>| {
         ["random", "mild", "single"].contains(&row["kind"].as_str())

@@ -1,7 +1,6 @@
 //! What ships works: every scenario plans, and the example in `reports/` is what the program makes.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
+use crate::common::ergopath;
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +9,7 @@ fn project(path: &str) -> PathBuf {
 }
 
 fn plan(scenario: &Path, output: &Path, planner: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ergopath"));
+    let mut command = ergopath();
     command.arg("plan").arg(scenario).arg("-o").arg(output).args(["--planner", planner]);
     command
 }

@@ -1,16 +1,7 @@
 //! Nothing is destroyed: outputs never land on inputs or on what somebody else wrote, are whole or
 //! absent, and leave devices and links what they are.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "tests may panic and say what they skip"
-)]
-#![cfg(unix)]
-
-mod common;
-
-use common::{assert_refused, ergopath, files, plan, workplace};
+use crate::common::{assert_refused, ergopath, files, plan, workplace};
 use ergopath::ergonomics::Worksheet;
 use predicates::str::contains;
 use std::fs;

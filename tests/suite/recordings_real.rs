@@ -1,21 +1,13 @@
 //! Real recordings, where they are at hand: the axes of every format against the files' own figures.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-#![allow(clippy::print_stdout, reason = "says when it skips, and the statistics it judges")]
-
 use ergopath::math::Vec3;
 use ergopath::math::stats::quantile;
 use ergopath::recording::{Recording, read, zxy_angles};
 use std::path::{Path, PathBuf};
 
-/// The folder of a set of recordings; `None`, and a word about it, where it is absent.
+/// A file or folder of recordings.
 fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: {name} is not here");
-    None
+    crate::skips::shared(&format!("recordings/{name}"))
 }
 
 /// ZXY angles (deg) of a child segment in its parent over time: `[z, x, y]` series.

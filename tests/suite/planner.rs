@@ -1,7 +1,5 @@
 //! The planner as a library: interruption, freedoms, stations that straight legs cannot serve.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
-
 use ergopath::ergobench::{Family, draw};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::planner::{

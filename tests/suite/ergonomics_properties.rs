@@ -1,7 +1,5 @@
 //! Laws of the posture scores: a posture that worsens in one factor never scores better.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
 use ergopath::ergonomics::{
     ArmAngles, Profile, TaskInputs, TrunkNeckAngles, Worksheet, drivers, reba, rula,
     smooth_reba_sheet, smooth_rula_sheet, worksheet as fill_in,

@@ -1,26 +1,15 @@
 //! `ergopath score` from outside: worksheets, motions, sampled postures, and what it refuses.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-#![allow(clippy::print_stdout, reason = "says what it skips")]
-
+use crate::common::ergopath;
+use crate::skips::shared;
 use assert_cmd::Command;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn score() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ergopath"));
+    let mut command = ergopath();
     command.arg("score");
     command
-}
-
-/// A file of the reference material; `None`, and a word about it, where it is absent.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: {name} is not here");
-    None
 }
 
 /// Header and rows of a CSV file.
@@ -205,7 +194,7 @@ fn rollouts_of_a_plan_give_the_figures_of_the_plan() {
                    cvar90_rula = 0.0\nexposure_rula_5 = 0.0\n";
     std::fs::write(room.path().join("tiny.toml"), planner).unwrap();
     let plan = room.path().join("plan");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ergopath"));
+    let mut command = ergopath();
     command.arg("plan").arg(&scenario).arg("-o").arg(&plan).arg("--rollouts").arg("--planner");
     command.arg(room.path().join("tiny.toml")).assert().success();
     let result: serde_json::Value =

@@ -1,10 +1,6 @@
 //! Schemas, completions and man pages.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
-mod common;
-
-use common::ergopath;
+use crate::common::ergopath;
 use predicates::str::contains;
 use serde_json::Value;
 use std::path::Path;

@@ -1,22 +1,9 @@
 //! Fits of real recordings, where they are at hand: inside all limits, and the hand where it was.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-#![allow(clippy::print_stdout, reason = "says when it skips, and the figures it judges")]
-
+use crate::skips::shared;
 use ergopath::human::{Body, BodySize, Sex, Side};
-use ergopath::recording::{Recording, read};
+use ergopath::recording::read;
 use ergopath::training::{FitSettings, JointMotion, fit};
-use std::path::Path;
-
-/// Reads a shared recording; `None`, and a word about it, where it is absent.
-fn shared(name: &str, person: Option<&str>) -> Option<Recording> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings").join(name);
-    if path.exists() {
-        return Some(read(&path, person).unwrap());
-    }
-    println!("skipped: {name} is not here");
-    None
-}
 
 fn body(sex: Sex, stature_m: f64) -> Body {
     Body::of_size("fitted", BodySize { sex, stature_m, mass_kg: 70.0 }).unwrap()
@@ -85,7 +72,8 @@ const fn case(
 #[test]
 fn real_movements_fit_near_the_limits() {
     for c in CASES {
-        let Some(recording) = shared(c.file, c.person) else { continue };
+        let Some(file) = shared(&format!("recordings/{}", c.file)) else { continue };
+        let recording = read(&file, c.person).unwrap();
         let body = body(c.sex, c.stature_m);
         let start = std::time::Instant::now();
         let motion = fit(&recording, &body, c.side, &FitSettings::default()).unwrap();

@@ -1,10 +1,6 @@
 //! Finished runs side by side, as their user calls it.
 
-#![allow(clippy::unwrap_used, reason = "tests may panic")]
-
-mod common;
-
-use common::{assert_refused, ergopath, plan, workplace};
+use crate::common::{assert_refused, ergopath, plan, workplace};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;

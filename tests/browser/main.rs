@@ -6,8 +6,9 @@
 
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-#[path = "browser/driver.rs"]
 mod driver;
+#[path = "../suite/skips.rs"]
+mod skips;
 
 use driver::Session;
 use serde_json::Value;
@@ -21,9 +22,7 @@ const READY: &str = "document.getElementById('scene-box').dataset.ready";
 fn the_page_of_a_run_works_in_a_browser() {
     let room = tempfile::tempdir().unwrap();
     let Some(page) = Session::start(&room.path().join("profile")) else {
-        // Not by a macro, whose output a passing test swallows.
-        let words = "\n\n  SKIPPED: no chromium, so the page was not tested in a browser.\n\n\n";
-        std::io::stderr().write_all(words.as_bytes()).unwrap();
+        skips::skip("chromium to open the page in");
         return;
     };
     let out = room.path().join("out");
@@ -55,14 +54,13 @@ fn the_page_of_a_run_works_in_a_browser() {
         keep_pictures(&page, width);
     }
     print_cuts_nothing(&page);
-    assert_eq!(page.complaints.lock().unwrap().join("\n"), "");
+    assert_eq!(page.complaints().join("\n"), "");
 
     it_can_be_read_without_scripts(&page, &report);
     let leaving = |url: &String| !["file:", "data:", "blob:"].iter().any(|s| url.starts_with(s));
-    let left: Vec<String> =
-        page.requests.lock().unwrap().iter().filter(|u| leaving(u)).cloned().collect();
+    let left: Vec<String> = page.requests().into_iter().filter(leaving).collect();
     assert_eq!(left, Vec::<String>::new(), "requests left the page");
-    assert!(!page.requests.lock().unwrap().is_empty(), "the page itself is a request");
+    assert!(!page.requests().is_empty(), "the page itself is a request");
 }
 
 /// The page can be read within 2 s, and moves soon after; a machine that builds beside it is slower.
@@ -150,12 +148,13 @@ fn it_plays_and_is_scrubbed(page: &Session) {
     let frames =
         || page.get::<u32>("Number(document.getElementById('scene-box').dataset.frames || 0)");
     let (before, started) = (frames(), std::time::Instant::now());
+    // Noted as it changes: on a loaded machine the end comes before a question does.
+    page.run(
+        "const r = document.getElementById('scene-readout'); window.noted = []; \
+         new MutationObserver(() => noted.push(r.getAttribute('aria-live'))).observe(r, { attributes: true })",
+    );
     page.click("#scene-play");
     page.wait("Number(document.getElementById('scene-frame').value) > 20");
-    assert_eq!(
-        page.get::<String>("document.getElementById('scene-readout').getAttribute('aria-live')"),
-        "off"
-    );
     page.wait("document.getElementById('scene-play').textContent === 'Play'");
     let (drawn, seconds) = (frames() - before, started.elapsed().as_secs_f64());
     let _ = writeln!(
@@ -165,10 +164,7 @@ fn it_plays_and_is_scrubbed(page: &Session) {
     );
     assert!(drawn >= 4, "{drawn} frames");
     assert_eq!(page.get::<String>("document.getElementById('scene-frame').value"), "99");
-    assert_eq!(
-        page.get::<String>("document.getElementById('scene-readout').getAttribute('aria-live')"),
-        "polite"
-    );
+    assert_eq!(page.get::<Vec<String>>("noted"), ["off", "polite"]);
 }
 
 fn the_controls_change_the_picture(page: &Session) {

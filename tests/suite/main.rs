@@ -1,0 +1,40 @@
+//! All tests from outside the crate, in one program: compiled and linked once.
+//!
+//! A new file of tests is one `mod` line here; `common` holds what several files share.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "tests may panic, and say what they skip and which figures they judge"
+)]
+
+mod common;
+mod skips;
+
+mod check_cli;
+mod compare_cli;
+mod docs;
+mod ergobench_cli;
+mod ergonomics_golden;
+mod ergonomics_properties;
+mod ergonomics_smooth;
+mod ergonomics_tables;
+mod evaluate_cli;
+mod fit_real;
+#[cfg(feature = "peers")]
+mod kinematics_peer;
+mod layers;
+#[cfg(unix)]
+mod outputs_cli;
+mod plan_cli;
+mod planner;
+mod prose;
+mod recordings_real;
+mod report_cli;
+mod schema_cli;
+mod score_cli;
+mod shipped;
+mod train_cli;
+mod train_real;
