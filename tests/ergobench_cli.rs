@@ -8,6 +8,7 @@ use serde_json::Value;
 fn bench(threads: &str, output: &std::path::Path) -> Command {
     let mut command = Command::cargo_bin("ergopath").unwrap();
     command.args(["bench", "--quick", "--families", "bench", "--seed", "7", "--repetitions", "64"]);
+    command.arg("--pace");
     command.args(["--threads", threads, "-o"]).arg(output);
     command
 }
@@ -32,6 +33,9 @@ fn our_path_is_better_than_the_straight_one_under_the_truth() {
     }
     let gain = all["gains"].as_array().unwrap().iter().find(|g| g[0] == "straight").unwrap();
     assert!(gain[1]["low95"].as_f64().unwrap() > 0.0, "{gain}");
+    assert!(all["gains"].as_array().unwrap().iter().any(|g| g[0] == "ergopath_paced"), "{all}");
+    let gains = std::fs::read_to_string(room.path().join("1").join("gains.csv")).unwrap();
+    assert!(gains.contains("all,gain_expected_rula,straight,2,"), "{gains}");
     // The oracle knows more than we do.
     let share = all["share_of_oracle"]["mean"].as_f64().unwrap();
     assert!((0.3..1.1).contains(&share), "{share}");
