@@ -32,10 +32,13 @@ pub struct Gain {
     pub cells: usize,
 }
 
+/// Numerator and denominator of the repetitions of some numbers.
+type Figures<'a> = Box<dyn Fn(&[usize]) -> [f64; 2] + 'a>;
+
 /// One cell: how many repetitions, and numerator and denominator of some of them, by number.
 pub(super) struct Part<'a> {
     pub repetitions: usize,
-    pub of: Box<dyn Fn(&[usize]) -> [f64; 2] + 'a>,
+    pub of: Figures<'a>,
 }
 
 /// Ratio of the sums over cells with its interval; `None` without cells or with a sum below 0 at the
