@@ -103,7 +103,7 @@ pub(super) fn figures(table: &Table) -> Result<Vec<(&'static str, Vec<u8>)>, Inp
     let rows = |of: &dyn Fn(&Row) -> Option<[f64; 3]>, with_kinds: bool| -> Vec<ForestRow> {
         let is_shown = |r: &&Row| with_kinds || r.kind.is_none();
         let row = |r: &Row| ForestRow {
-            label: name(r),
+            label: name(r).split(" (").next().unwrap_or_default().to_owned(),
             value: of(r),
             is_total: r.family.is_none() && r.kind.is_none(),
         };

@@ -19,12 +19,15 @@ use serde::Serialize;
 const RESAMPLES: u32 = 4000;
 const WITHIN: usize = 200;
 
+/// Share of the denominator below which a resample's ratio says nothing.
+const LEAST_BOTTOM: f64 = 0.05;
+
 /// A figure with its 95 % interval by cells.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gain {
     /// The figure.
     pub mean: f64,
-    /// Lower end; none for a single cell, or where a share is undefined in too many resamples.
+    /// Lower end; none for a single cell, or for a share whose denominator may be nothing.
     pub low95: Option<f64>,
     /// Upper end, likewise.
     pub high95: Option<f64>,
@@ -52,19 +55,23 @@ pub(super) fn by_cells(parts: &[Part]) -> Option<Gain> {
         return Some(Gain { mean, low95: None, high95: None, cells: count });
     }
     let again: Vec<Vec<[f64; 2]>> = parts.iter().enumerate().map(|(i, p)| within(i, p)).collect();
+    let least = LEAST_BOTTOM * plain.iter().map(|v| v[1]).sum::<f64>();
     let mut means: Vec<f64> = (0..RESAMPLES)
-        .map(|k| {
+        .filter_map(|k| {
             let mut rng = stream(0, Purpose::Bootstrap, 1 << 16, k);
             let drawn: Vec<&[f64; 2]> = (0..count)
                 .map(|_| &again[rng.random_range(0..count)][rng.random_range(0..WITHIN)])
                 .collect();
-            ratio(drawn.into_iter()).unwrap_or(f64::INFINITY)
+            let bottom: f64 = drawn.iter().map(|v| v[1]).sum();
+            ratio(drawn.into_iter()).filter(|_| bottom > least)
         })
         .collect();
     means.sort_by(f64::total_cmp);
     let n = count as f64;
     let tail = normal_cdf(-t_critical_975(count - 1) * (n / (n - 1.0)).sqrt());
-    let end = |p: f64| Some(quantile_of_sorted(&means, p)).filter(|v| v.is_finite());
+    // A ratio whose denominator may as well be nothing has no bounds (Fieller 1954).
+    let undefined = 1.0 - means.len() as f64 / f64::from(RESAMPLES);
+    let end = |p: f64| (undefined <= tail).then(|| quantile_of_sorted(&means, p));
     Some(Gain { mean, low95: end(tail), high95: end(1.0 - tail), cells: count })
 }
 
@@ -161,6 +168,10 @@ mod tests {
         let of = |a: f64, b: f64| Part { repetitions: 3, of: Box::new(move |_| [a, b]) };
         let g = by_cells(&[of(1.0, 2.0), of(3.0, 4.0)]).unwrap();
         assert!((g.mean - 4.0 / 6.0).abs() < 1e-12);
+        // A denominator that vanishes when one of the cells is drawn twice leaves no interval.
+        let g = by_cells(&[of(1.0, 0.0), of(3.0, 4.0)]).unwrap();
+        assert_eq!((g.mean, g.low95, g.high95), (1.0, None, None));
+        let g = by_cells(&[of(1.0, 2.0), of(3.0, 4.0)]).unwrap();
         // Two cells: the ends are those of drawing one of them twice.
         assert_eq!((g.low95, g.high95), (Some(0.5), Some(0.75)));
     }
