@@ -21,6 +21,7 @@ macro_rules! complain {
 mod bars;
 mod batch;
 mod bench;
+mod bench_files;
 mod bench_print;
 mod body;
 mod check;

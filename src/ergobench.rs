@@ -5,17 +5,29 @@
 //! themselves, so that no planner is judged by its own model. The oracle plans with the truth and
 //! bounds what could be reached. Nobody was recorded: the figures compare planners, not workplaces.
 //!
+//! ```text
+//! people     five kinds, each with a law of its own; statistics: how their joints move
+//! families   workstations        demonstrate   what the learner sees of a person
+//! cell       one workstation, body and person: learn, plan, judge
+//! table      gains by family and kind           bootstrap     their intervals, by cells
+//! ```
+//!
 //! Seeds 0 to 99 are for tuning, the table uses 1000 and up.
 
+mod bootstrap;
 mod cell;
+mod demonstrate;
 mod families;
 mod people;
+mod statistics;
 mod table;
 
+pub use bootstrap::Gain;
 pub use cell::{Cell, Outcome};
 pub use families::{Family, Station, draw};
 pub use people::{Kind, TruePerson};
-pub use table::{Gain, Row, Table, table};
+pub use statistics::Statistics;
+pub use table::{MISJUDGED, OUT_OF_REACH, Row, Table, Weak, table};
 
 use crate::files::InputError;
 use crate::human::Body;
@@ -25,6 +37,10 @@ use std::path::Path;
 
 /// First seed of published tables.
 pub const TABLE_SEED: u64 = 1000;
+/// Name of our planner, and of ours with the pace of paths free.
+pub const OURS: &str = "ergopath";
+/// See [`OURS`].
+pub const PACED: &str = "ergopath_paced";
 /// The bodies, from small to large.
 const BODIES: [&str; 3] = ["female_p05", "male_p50", "male_p95"];
 
@@ -45,6 +61,8 @@ pub struct Question {
     pub repetitions: usize,
     /// The planner's settings.
     pub preset: Preset,
+    /// Whether paths with a free pace are planned beside those that keep the minimum-jerk law.
+    pub pace: bool,
 }
 
 /// Runs all cells, each in a folder of its own under `folder`; `told` hears of every cell.
@@ -62,21 +80,25 @@ pub fn run(
     let bodies = bodies?;
     let total = question.families.len() * question.instances * question.kinds.len();
     let mut cells: Vec<Cell> = Vec::with_capacity(total);
-    for (f, family) in question.families.iter().enumerate() {
+    // A cell is the same whatever else is run: its numbers are those of the full benchmark.
+    let place = |kind: &Kind| Kind::ALL.iter().position(|k| k == kind).unwrap_or(0);
+    for family in &question.families {
         for instance in 0..question.instances {
-            for (k, kind) in question.kinds.iter().enumerate() {
-                let number = (f * question.instances + instance) * question.kinds.len() + k;
+            for kind in &question.kinds {
+                let (f, k) = (*family as usize, place(kind));
+                let count = Kind::ALL.len();
+                let number = (f * question.instances + instance) * count + k;
                 let draft = Draft {
                     family: *family,
-                    number: instance as u64,
+                    number: (instance * count + k) as u64,
                     body: &bodies[(f + instance + k) % bodies.len()],
                     kind: *kind,
-                    person_number: question.seed * 1000 + number as u64,
+                    person_number: question.seed * 100_000 + (instance * 100 + f * 10 + k) as u64,
                 };
                 let own = folder.join(format!("cell_{number:03}"));
                 std::fs::create_dir_all(&own).map_err(|e| InputError::unwritable(&own, &e))?;
                 let cell = run_cell(&draft, question, &own, stage)?;
-                told(number, total, &cell);
+                told(cells.len(), total, &cell);
                 cells.push(cell);
             }
         }

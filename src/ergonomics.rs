@@ -73,6 +73,7 @@ pub use niosh::{
     LiftMultipliers, LiftNote, LiftPoint, LiftTask, NIOSH_PROVENANCE, PathLift, assess_lift,
     lift_from_path,
 };
+pub(crate) use paired::t_critical_975;
 pub use paired::{FEW_PAIRS, PairedDifference, paired_difference};
 pub use profile::{Profile, UpperArmRule};
 pub use reba::{

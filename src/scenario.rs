@@ -20,7 +20,7 @@ pub use cell::PersonMargin;
 pub use check::Scenario;
 pub use defaults::defaults_in_force;
 pub use file::{OtherArm, PosturePick};
-pub use freedom::{Chosen, Freedom, Freedoms, TIMING, TURN_ON_THE_WAY, Variant};
+pub use freedom::{Chosen, Freedom, Freedoms, PACE_SPREAD, TIMING, TURN_ON_THE_WAY, Variant};
 pub use paths::{UserPath, read_user_path};
 pub use task::{Origin, Task};
 pub use worker::Worker;

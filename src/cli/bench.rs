@@ -1,6 +1,7 @@
 //! `ergopath bench`: `ErgoBench`, every planner judged by people whose true behaviour is known.
 
-use super::bench_print::{figures, print};
+use super::bench_files::{cells_csv, figures, gains_csv};
+use super::bench_print::print;
 use super::plan::{failure, with_threads};
 use super::progress::Progress;
 use super::{Failure, Outcome};
@@ -12,20 +13,23 @@ use std::path::PathBuf;
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Folder to write: result.json, cells.csv, gains.png, `oracle_share.png`; only files
+    /// Folder to write: result.json, cells.csv, gains.csv, gains.png, `oracle_share.png`; only files
     /// that ergopath wrote there are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Seed: 0 to 99 for tuning, 1000 and up for tables.
     #[arg(long, default_value_t = TABLE_SEED)]
     seed: u64,
-    /// A subset: one workstation of each family, two kinds of people, the planner `quick`.
+    /// A subset: two of the five kinds of people, and the planner `quick`.
     #[arg(long)]
     quick: bool,
     /// Families, separated by commas: bench, overhead, low-bin, lateral, seated, shelf.
     #[arg(long, value_delimiter = ',', value_name = "NAME,...")]
     families: Vec<String>,
-    /// Workstations of each family.
+    /// Also plan with the pace of the path free, which costs half as much again.
+    #[arg(long)]
+    pace: bool,
+    /// Workstations of each family for each kind of person.
     #[arg(long, default_value_t = 1)]
     instances: usize,
     /// Movements (of about 2 s) from which the planner learns each person.
@@ -66,11 +70,12 @@ pub(super) fn bench(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failur
     .map_err(failure)?;
     let table = table(&cells);
     let result = serde_json::json!({
-        "schema": "ergopath/ergobench/1",
+        "schema": "ergopath/ergobench/2",
         "seed": question.seed,
         "planner": question.preset,
         "demonstrations": question.demonstrations,
         "repetitions": question.repetitions,
+        "pace": question.pace,
         "simulated": true,
         "table": table,
         "cells": cells,
@@ -81,6 +86,7 @@ pub(super) fn bench(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failur
         let mut files = vec![
             ("result.json".to_owned(), text.clone().into_bytes()),
             ("cells.csv".to_owned(), cells_csv(&cells)?),
+            ("gains.csv".to_owned(), gains_csv(&table)?),
         ];
         files.extend(figures(&table)?.into_iter().map(|(name, png)| (name.to_owned(), png)));
         outputs.folder(folder, files)?;
@@ -116,8 +122,7 @@ fn question(args: &Args) -> Result<Question, Failure> {
         .remedy("give 4 to 400")
         .into());
     }
-    let kinds =
-        if args.quick { vec![Kind::InClass, Kind::HeightAndHistory] } else { Kind::ALL.to_vec() };
+    let kinds = if args.quick { vec![Kind::InClass, Kind::AsRecorded] } else { Kind::ALL.to_vec() };
     Ok(Question {
         seed: args.seed,
         families,
@@ -126,6 +131,7 @@ fn question(args: &Args) -> Result<Question, Failure> {
         demonstrations: args.demonstrations,
         repetitions: args.repetitions,
         preset: load_preset(planner)?,
+        pace: args.pace,
     })
 }
 
@@ -146,42 +152,4 @@ fn family(name: &str) -> Result<Family, InputError> {
             .unwrap_or_else(|| format!("families: {}", known.join(", ")));
         InputError::new("--families", format!("there is no family `{name}`")).remedy(help)
     })
-}
-
-fn cells_csv(cells: &[Cell]) -> Result<Vec<u8>, InputError> {
-    let fault = |e: String| InputError::fault("cells.csv", e);
-    let mut table = csv::Writer::from_writer(Vec::new());
-    let header = [
-        "station",
-        "family",
-        "body",
-        "person",
-        "planner",
-        "expected_rula",
-        "cvar90_rula",
-        "exposure_rula_5",
-        "expected_reba",
-        "reach_exceeded",
-        "predicted_rula",
-    ];
-    table.write_record(header).map_err(|e| fault(e.to_string()))?;
-    for c in cells {
-        for o in &c.outcomes {
-            let row = [
-                c.station.clone(),
-                c.family.name().to_owned(),
-                c.body.clone(),
-                c.kind.name().to_owned(),
-                o.planner.clone(),
-                o.expected_rula.to_string(),
-                o.cvar90_rula.to_string(),
-                o.exposure_rula_5.to_string(),
-                o.expected_reba.to_string(),
-                o.reach_exceeded.to_string(),
-                o.predicted_rula.map_or_else(String::new, |p| p.to_string()),
-            ];
-            table.write_record(row).map_err(|e| fault(e.to_string()))?;
-        }
-    }
-    table.into_inner().map_err(|e| fault(e.to_string()))
 }

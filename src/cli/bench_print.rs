@@ -1,42 +1,150 @@
-//! What `ergopath bench` prints and draws.
+//! What `ergopath bench` prints.
 
-use crate::ergobench::{Cell, Gain, Question, Row, Table};
-use crate::files::InputError;
-use crate::report::{ForestPanel, ForestRow, forest_plots};
+use crate::ergobench::{
+    Cell, Gain, Kind, MISJUDGED, OURS, OUT_OF_REACH, PACED, Question, Row, Table, Weak,
+};
+use crate::math::stats::mean;
 use comfy_table::{CellAlignment, presets};
+
+/// Cells that fail and are named on the terminal; all of them are in result.json.
+const NAMED: usize = 8;
 
 /// The table in words.
 pub(super) fn print(question: &Question, cells: &[Cell], table: &Table) {
     say!(
-        "ErgoBench, seed {}: {} cells, planner `{}`, each path walked {} times by a simulated person whose\n\
-         true behaviour the planner knows from {} other movements only. Nobody was recorded.",
+        "ErgoBench, seed {}: {} cells, planner `{}`. A cell is a workstation, a body and a simulated person;\n\
+         the planner knows the person from {} other movements only, and every path is then scored on {}\n\
+         repetitions by the person themselves (\"true\" scores). No real person was recorded.",
         question.seed,
         cells.len(),
         question.preset.name,
+        question.demonstrations,
         question.repetitions,
-        question.demonstrations
     );
+    people(cells);
     let planners: Vec<&str> =
         table.all().map_or_else(Vec::new, |r| r.expected.iter().map(|e| e.0.as_str()).collect());
-    say!("\nExpected RULA under the truth (means over cells)");
+    say!("\nTrue expected RULA, mean over cells (lower is better)");
     scores(table, &planners, |r| &r.expected);
-    say!("\nCVaR90: mean RULA of the worst tenth of repetitions under the truth");
+    say!("\nTrue CVaR90: mean RULA of the worst tenth of repetitions");
     scores(table, &planners, |r| &r.cvar90);
     say!(
-        "\nGain of ergopath over the others, points of expected RULA [95 % interval over repetitions]"
+        "\nHow much lower ergopath's true expected RULA is than each other planner's [95 % interval]"
     );
     let others: Vec<&str> =
-        planners.iter().copied().filter(|p| !["ergopath", "oracle"].contains(p)).collect();
+        planners.iter().copied().filter(|p| ![OURS, "oracle"].contains(p)).collect();
     gains(table, &others);
     tails(table, &others);
-    if let Some(gap) = table.all().and_then(|all| all.calibration_gap) {
-        say!("\nTruth minus prediction of our paths' expected RULA: {gap:+.2} on average.");
-        say!("The intervals take workstations and people as they are; other draws may differ.");
-    }
+    say!(
+        "\nIntervals hold for other workstations and people drawn in the same way: whole cells are drawn\n\
+         again, and repetitions within them. A row has as many independent values as it has cells; below\n\
+         about 10 cells its interval is rough, and a single cell has none."
+    );
+    weaknesses(table);
     for c in cells.iter().filter(|c| c.failure.is_some()) {
         let why = c.failure.as_deref().unwrap_or_default();
         say!("  no path: {} ({}, {}): {why}", c.station, c.body, c.kind.name());
     }
+}
+
+/// How each kind of person moves, beside recorded people.
+fn people(cells: &[Cell]) {
+    let mut shown = comfy_table::Table::new();
+    shown.load_style(presets::NOTHING);
+    shown.set_header(["", "cells", "participation rank", "rms joint speed"]);
+    for kind in Kind::ALL {
+        let own: Vec<_> =
+            cells.iter().filter(|c| c.kind == kind).filter_map(|c| c.demonstrated).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let rank = mean(&own.iter().map(|d| d.participation_rank).collect::<Vec<_>>());
+        let speed = mean(&own.iter().map(|d| d.joint_speed_deg_s).collect::<Vec<_>>());
+        let count = own.len().to_string();
+        let (rank, speed) = (format!("{rank:.1}"), format!("{speed:.0} deg/s"));
+        shown.add_row([kind.name().to_owned(), count, rank, speed]);
+    }
+    right(&mut shown, 1);
+    say!(
+        "\nPeople: joint velocities in their demonstrations (recorded people: 3.0 to 3.2, 18 to 25 deg/s)"
+    );
+    say!("{}", shown.trim_fmt());
+}
+
+/// Where our path is worse than the straight one, cannot be followed, or was misjudged.
+fn weaknesses(table: &Table) {
+    let Some(all) = table.all() else { return };
+    say!("\nWhere it fails");
+    if let Some(gap) = &all.calibration_gap {
+        say!(
+            "  True minus predicted expected RULA of ergopath's paths: {} on average.",
+            with_interval(gap)
+        );
+    }
+    let share = 100.0 * all.out_of_reach.unwrap_or(0.0);
+    say!(
+        "  The hand cannot follow ergopath's path to its end in {share:.1} % of the repetitions.\n  \
+         Worse than the straight path in {} of {} cells.",
+        all.worse_than_straight,
+        all.cells.0
+    );
+    if table.failures.is_empty() {
+        say!(
+            "  No cell is worse than the straight path, predicted wrong by more than {MISJUDGED}, or out of\n  \
+             reach in more than {:.0} % of the repetitions.",
+            100.0 * OUT_OF_REACH
+        );
+        return;
+    }
+    let mut shown = comfy_table::Table::new();
+    shown.load_style(presets::NOTHING);
+    shown.set_header([
+        "workstation",
+        "body",
+        "person",
+        "predicted",
+        "true",
+        "straight, true",
+        "out of reach",
+        "",
+    ]);
+    for w in table.failures.iter().take(NAMED) {
+        shown.add_row([
+            w.station.clone(),
+            w.body.clone(),
+            w.kind.name().to_owned(),
+            format!("{:.2}", w.predicted),
+            format!("{:.2}", w.truth),
+            format!("{:.2}", w.straight),
+            format!("{:.0} %", 100.0 * w.out_of_reach),
+            reasons(w),
+        ]);
+    }
+    for column in shown.column_iter_mut().skip(3).take(4) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    say!("{}", shown.trim_fmt());
+    let more = table.failures.len().saturating_sub(NAMED);
+    if more > 0 {
+        say!("  and {more} more, in result.json");
+    }
+}
+
+fn reasons(w: &Weak) -> String {
+    let mut all = Vec::new();
+    if w.is_worse_than_straight() {
+        all.push("worse than straight");
+    }
+    if w.out_of_reach > OUT_OF_REACH {
+        all.push("out of reach");
+    }
+    if w.truth - w.predicted > MISJUDGED {
+        all.push("predicted too low");
+    }
+    if w.predicted - w.truth > MISJUDGED {
+        all.push("predicted too high");
+    }
+    all.join(", ")
 }
 
 /// One figure of all planners, a line for each row.
@@ -57,14 +165,15 @@ fn scores(table: &Table, planners: &[&str], pick: fn(&Row) -> &Vec<(String, f64)
 fn gains(table: &Table, others: &[&str]) {
     let mut shown = comfy_table::Table::new();
     shown.load_style(presets::NOTHING);
-    let header = [String::new()].into_iter().chain(others.iter().map(|p| short(p)));
-    shown.set_header(header.chain(["of oracle's gain".to_owned(), "oracle gains".to_owned()]));
+    let header =
+        ["", "cells"].into_iter().map(str::to_owned).chain(others.iter().map(|p| short(p)));
+    shown.set_header(
+        header.chain(["share of oracle's gain".to_owned(), "oracle's gain".to_owned()]),
+    );
     for row in &table.rows {
-        let mut line = vec![name(row)];
+        let mut line = vec![name(row), row.cells.0.to_string()];
         line.extend(others.iter().map(|p| interval(&row.gains, p)));
-        line.push(row.share_of_oracle.map_or_else(String::new, |s| {
-            format!("{:.0} % [{:.0}, {:.0}]", 100.0 * s.mean, 100.0 * s.low95, 100.0 * s.high95)
-        }));
+        line.push(row.share_of_oracle.map_or_else(String::new, |s| percent(&s)));
         line.push(row.oracle_gain.map_or_else(String::new, |g| format!("{:.1} %", 100.0 * g)));
         shown.add_row(line);
     }
@@ -76,64 +185,42 @@ fn tails(table: &Table, others: &[&str]) {
     let Some(all) = table.all() else { return };
     let of = |p: &&str| format!("{} {}", short(p), interval(&all.cvar90_gains, p));
     let told: Vec<String> = others.iter().map(of).collect();
-    say!("\nGain in CVaR90, all cells [95 %, resampled]: {}", told.join("; "));
+    say!("\nThe same for CVaR90, all cells: {}", told.join("; "));
 }
 
 fn interval(gains: &[(String, Gain)], planner: &str) -> String {
     let found = gains.iter().find(|g| g.0 == planner);
-    found.map_or_else(String::new, |(_, g)| {
-        format!("{:+.2} [{:+.2}, {:+.2}]", g.mean, g.low95, g.high95)
-    })
+    found.map_or_else(String::new, |(_, g)| with_interval(g))
 }
 
-/// Gains over each baseline, and shares of the oracle's gain, as PNG by name.
-pub(super) fn figures(table: &Table) -> Result<Vec<(&'static str, Vec<u8>)>, InputError> {
-    let fault = |e: crate::report::ReportError| InputError::fault("figure", e.to_string());
-    let ends = |g: &Gain| [g.mean, g.low95, g.high95];
-    let rows = |of: &dyn Fn(&Row) -> Option<[f64; 3]>, with_kinds: bool| -> Vec<ForestRow> {
-        let is_shown = |r: &&Row| with_kinds || r.kind.is_none();
-        let row = |r: &Row| ForestRow {
-            label: name(r),
-            value: of(r),
-            is_total: r.family.is_none() && r.kind.is_none(),
-        };
-        table.rows.iter().filter(is_shown).map(row).collect()
-    };
-    let others = table.all().map_or_else(Vec::new, |r| r.gains.clone());
-    let panels: Vec<ForestPanel> = others
-        .iter()
-        .filter(|(p, _)| p != "oracle")
-        .map(|(p, _)| ForestPanel {
-            title: format!("over: {}", short(p)),
-            axis: "gain, points of expected RULA".to_owned(),
-            reference: 0.0,
-            rows: rows(&|r| r.gains.iter().find(|g| g.0 == *p).map(|g| ends(&g.1)), false),
-        })
-        .collect();
-    let share = ForestPanel {
-        title: "share of the oracle's gain".to_owned(),
-        axis: "% of the gain over the straight path".to_owned(),
-        reference: 100.0,
-        rows: rows(&|r| r.share_of_oracle.as_ref().map(|g| ends(g).map(|v| 100.0 * v)), true),
-    };
-    let key = "simulated people; dot: mean over cells; bar: 95 % interval over repetitions";
-    Ok(vec![
-        ("gains.png", forest_plots(&panels, key).map_err(fault)?),
-        ("oracle_share.png", forest_plots(&[share], key).map_err(fault)?),
-    ])
+fn with_interval(g: &Gain) -> String {
+    match (g.low95, g.high95) {
+        (Some(low), Some(high)) => format!("{:+.2} [{low:+.2}, {high:+.2}]", g.mean),
+        _ => format!("{:+.2}", g.mean),
+    }
 }
 
-fn short(planner: &str) -> String {
+fn percent(g: &Gain) -> String {
+    match (g.low95, g.high95) {
+        (Some(low), Some(high)) => {
+            format!("{:.0} % [{:.0}, {:.0}]", 100.0 * g.mean, 100.0 * low, 100.0 * high)
+        }
+        _ => format!("{:.0} %", 100.0 * g.mean),
+    }
+}
+
+pub(super) fn short(planner: &str) -> String {
     match planner {
+        PACED => "pace free".to_owned(),
         "expert_arc" => "expert".to_owned(),
         "best_random" => "random".to_owned(),
-        "single_posture_plain" => "one plain".to_owned(),
-        "single_posture_learned" => "one learned".to_owned(),
+        "single_posture_plain" => "single plain".to_owned(),
+        "single_posture_learned" => "single learned".to_owned(),
         other => other.to_owned(),
     }
 }
 
-fn name(row: &Row) -> String {
+pub(super) fn name(row: &Row) -> String {
     match (row.family, row.kind) {
         (Some(family), _) => family.name().to_owned(),
         (None, Some(kind)) => format!("person: {}", kind.name()),

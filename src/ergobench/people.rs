@@ -1,36 +1,50 @@
-//! Simulated people whose true behaviour is known. Most are outside what a posture model can say.
+//! Simulated people whose true behaviour is known. All but the first kind are outside what a posture
+//! model of ours can say, each in its own way.
 //!
-//! | kind | what it does |
+//! | kind | what they do |
 //! |---|---|
-//! | in class | full weight matrix, pull to usual postures, correlated noise: as our models |
-//! | height and history | weights that blend with the height of the hand; drifts to where it has been |
-//! | two habits | every other repetition with other weights and other usual postures |
-//! | rough noise | mostly a bias that lasts a repetition, of heavy-tailed size, and white noise |
+//! | in class | as our models: full weight matrix, pull to usual postures, correlated noise |
+//! | as recorded | few quick synergies of the arm, as recorded people; small deviations stay |
+//! | least effort | spare joints, shoulder and back at every step; no usual posture for a place |
+//! | habits with memory | two habits with hysteresis; posture depends on direction and on the past |
+//! | relaxing in time | go back to usual postures by the clock, even with the hand at rest |
+//!
+//! All but the first and the last hold their posture while the hand rests. Stooping and squatting
+//! people need legs that move, and are not among them yet.
+
+mod effort;
+mod follow;
+mod habits;
+mod places;
+mod recorded;
+mod relaxer;
 
 use crate::files::InputError;
 use crate::human::{Body, Side};
-use crate::kinematics::Frames;
-use crate::math::Pose;
-use crate::math::stream::{Purpose, normals, stream};
+use crate::math::pose::rotation_from_axes;
+use crate::math::stream::{Purpose, stream};
+use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Behaviour, Coupling, HandPath, Noise, NoiseShares, PostureDistribution, PostureLaw,
-    PostureModel, Rollout, Sampler, Sampling, Start, StepSolver, roll_out, simulated_person,
+    Behaviour, Coupling, HandPath, Hold, PostureDistribution, PostureModel, Rollout, Sampler,
+    Sampling, Start, roll_out, simulated_person,
 };
-use nalgebra::{DMatrix, DVector};
-use rand_chacha::ChaCha8Rng;
+use effort::Effort;
+use follow::follow;
+use habits::Habits;
+use nalgebra::{DMatrix, UnitQuaternion};
+use rand::RngExt as _;
 use rayon::prelude::*;
+use recorded::Recorded;
+use relaxer::Relaxer;
 use serde::Serialize;
 
-/// Block offset of a person's chance.
+/// Block offset of a person's chance, and of the habit that neighbouring repetitions share.
 const CHANCE: u32 = 1 << 20;
-/// Time over which somebody with history forgets where they were, s, and how fast they return there.
-const MEMORY_S: f64 = 1.5;
-const RETURN_PER_S: f64 = 1.0;
-/// Residuals as in a rollout of a model: corrected beyond, given up beyond, m.
-const CORRECT_BEYOND_M: f64 = 1e-4;
-const GIVE_UP_BEYOND_M: f64 = 1e-3;
-/// Steps between two samples of the path.
-const SUBSTEPS: usize = 2;
+const HABIT: u32 = 1 << 21;
+/// Repetitions in a row that start with the same habit.
+const NEIGHBOURS: usize = 4;
+/// People that are drawn before one must have been found whose usual posture reaches a workplace.
+const MOST_DRAWS: u64 = 20;
 
 /// How a simulated person differs from the class of our models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -38,38 +52,65 @@ const SUBSTEPS: usize = 2;
 pub enum Kind {
     /// Not at all.
     InClass,
-    /// Weights by height, and a pull to where the body has been.
-    HeightAndHistory,
-    /// Two ways of moving, alternating.
-    TwoHabits,
-    /// Another kind of noise.
-    RoughNoise,
+    /// Velocities as those of recorded people.
+    AsRecorded,
+    /// Spares effort at every step.
+    LeastEffort,
+    /// Two habits, hysteresis and memory.
+    HabitsWithMemory,
+    /// Goes back to usual postures by the clock.
+    RelaxingInTime,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 4] =
-        [Self::InClass, Self::HeightAndHistory, Self::TwoHabits, Self::RoughNoise];
+    pub const ALL: [Self; 5] = [
+        Self::InClass,
+        Self::AsRecorded,
+        Self::LeastEffort,
+        Self::HabitsWithMemory,
+        Self::RelaxingInTime,
+    ];
 
     /// Name in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::InClass => "in class",
-            Self::HeightAndHistory => "height and history",
-            Self::TwoHabits => "two habits",
-            Self::RoughNoise => "rough noise",
+            Self::AsRecorded => "as recorded",
+            Self::LeastEffort => "least effort",
+            Self::HabitsWithMemory => "habits with memory",
+            Self::RelaxingInTime => "relaxing in time",
         }
     }
+}
+
+/// How somebody moves the hand in demonstrations.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Manner {
+    /// Standard deviation of the hand's tilt about each axis at the ends, rad.
+    pub tilt_rad: f64,
+    /// Turn of the hand about the forward axis from the middle to the end of the longest side of the
+    /// box in which it moves, rad: a hand that turns as it goes.
+    pub turn_rad: f64,
+    /// How quick the movements are beside the others'.
+    pub tempo: f64,
 }
 
 /// Somebody with a body, habits and chance.
 #[derive(Debug, Clone)]
 pub struct TruePerson {
     kind: Kind,
-    /// The main habit.
-    one: PostureModel,
-    /// The other habit, or the habit at the other end of the height.
-    other: PostureModel,
+    usual: PostureDistribution,
+    nature: Nature,
+}
+
+#[derive(Debug, Clone)]
+enum Nature {
+    Model(Box<PostureModel>),
+    Recorded(Recorded),
+    Effort(Box<Effort>),
+    Habits(Box<Habits>),
+    Relaxer(Relaxer),
 }
 
 impl TruePerson {
@@ -79,222 +120,240 @@ impl TruePerson {
     /// Where the body cannot reach the simulated workplace.
     pub fn new(body: &Body, side: Side, kind: Kind, number: u64) -> Result<Self, InputError> {
         // Somebody whose own usual posture is out of reach of the workplace is somebody else.
-        let draw = |first: u64| {
-            let mut last = None;
-            for attempt in 0..20 {
-                match simulated_person(body, side, Some(first + 1000 * attempt)) {
-                    Ok(model) => return Ok(model),
-                    Err(e) => last = Some(e),
-                }
+        let mut last = InputError::new(&body.name, "cannot reach the simulated workplace");
+        for attempt in 0..MOST_DRAWS {
+            match Self::draw(body, side, kind, 2 * number + 1000 * attempt) {
+                Ok(Some(person)) => return Ok(person),
+                Ok(None) => {}
+                Err(e) => last = e,
             }
-            Err(last.unwrap_or_else(|| InputError::new(&body.name, "cannot be simulated")))
+        }
+        Err(last)
+    }
+
+    fn draw(body: &Body, side: Side, kind: Kind, number: u64) -> Result<Option<Self>, InputError> {
+        if kind == Kind::InClass {
+            let model = simulated_person(body, side, Some(number))?;
+            let usual = model.postures.clone();
+            return Ok(Some(Self { kind, usual, nature: Nature::Model(Box::new(model)) }));
+        }
+        let frame = Frame::draw(body, side, number)?;
+        let nature = match kind {
+            Kind::InClass => None,
+            Kind::AsRecorded => Recorded::draw(&frame, number).map(Nature::Recorded),
+            Kind::LeastEffort => {
+                Some(Nature::Effort(Box::new(Effort::draw(body, side, &frame, number)?)))
+            }
+            Kind::HabitsWithMemory => {
+                let other = Frame::draw(body, side, number + 1)?;
+                Habits::draw(&other, &frame, number).map(|h| Nature::Habits(Box::new(h)))
+            }
+            Kind::RelaxingInTime => Relaxer::draw(&frame, number).map(Nature::Relaxer),
         };
-        Ok(Self { kind, one: draw(2 * number)?, other: draw(2 * number + 1)? })
+        Ok(nature.map(|nature| Self { kind, usual: frame.usual, nature }))
     }
+}
 
-    /// Names of the joints, n.
-    pub fn joints(&self) -> &[String] {
-        &self.one.joints
-    }
-
-    fn habit(&self, repetition: usize) -> &PostureModel {
-        let is_other = self.kind == Kind::TwoHabits && repetition % 2 == 1;
-        if is_other { &self.other } else { &self.one }
+impl TruePerson {
+    /// How they move in demonstrations.
+    pub(super) fn manner(&self) -> Manner {
+        match self.kind {
+            // Recorded hands move at 0.3 to 0.5 m/s and turn at 1 to 2 rad/s root mean square.
+            Kind::AsRecorded => Manner { tilt_rad: 0.05, turn_rad: -0.5, tempo: 1.45 },
+            _ => Manner { tilt_rad: 0.05, turn_rad: 0.0, tempo: 1.0 },
+        }
     }
 }
 
 impl Behaviour for TruePerson {
     fn postures(&self) -> &PostureDistribution {
-        &self.one.postures
+        &self.usual
     }
 
     fn walk(
         &self,
         coupling: &Coupling,
-        (time_s, targets): (&[f64], &[Pose]),
+        path: (&[f64], &[Pose]),
         starts: &[Start],
         (seed, block): (u64, u32),
         first: usize,
     ) -> Vec<Rollout> {
-        let hand =
-            |law: &PostureLaw| HandPath::new(coupling, law, time_s.to_vec(), targets.to_vec());
-        let (one, other) = (hand(&self.one.law), hand(&self.other.law));
-        let walk = |(i, start): (usize, &Start)| {
-            let repetition = first + i;
-            let mut rng = stream(seed, Purpose::Posture, CHANCE + block, repetition as u32);
-            let habit = self.habit(repetition);
-            let is_one = std::ptr::eq(habit, &raw const self.one);
-            let path = if is_one { &one } else { &other };
-            match self.kind {
-                Kind::InClass | Kind::TwoHabits => {
-                    by_law(coupling, &habit.law, path, start, &mut rng)
-                }
-                Kind::RoughNoise => {
-                    let law = PostureLaw {
-                        noise: rough(&habit.law.noise, &mut rng),
-                        ..habit.law.clone()
-                    };
-                    by_law(coupling, &law, path, start, &mut rng)
-                }
-                Kind::HeightAndHistory => {
-                    self.with_history(coupling, path, time_s, start, &mut rng)
-                }
-            }
+        let own = |i: usize| {
+            stream(seed, Purpose::Posture, CHANCE.wrapping_add(block), (first + i) as u32)
         };
-        starts.par_iter().enumerate().map(walk).collect()
+        let each = |walk: &(dyn Fn(usize, &Start) -> Rollout + Sync)| {
+            starts.par_iter().enumerate().map(|(i, s)| walk(i, s)).collect()
+        };
+        match &self.nature {
+            Nature::Model(model) => {
+                let law = &model.law;
+                let hand = HandPath::new(coupling, law, path.0.to_vec(), path.1.to_vec());
+                let span = hand.duration_s() / (hand.len() - 1).max(1) as f64;
+                let sampler = Sampler::new(law, Sampling::Pathwise);
+                each(&|i, start| {
+                    let person = sampler.as_ref().map(|s| s.draw(&mut own(i), hand.len(), span));
+                    roll_out(coupling, law, &hand, start, person.as_ref())
+                })
+            }
+            Nature::Recorded(p) => {
+                each(&|i, start| follow(coupling, path, start, &mut p.repetition(own(i))))
+            }
+            Nature::Effort(p) => {
+                each(&|i, start| follow(coupling, path, start, &mut p.repetition(own(i))))
+            }
+            Nature::Habits(p) => each(&|i, start| {
+                let group = ((first + i) / NEIGHBOURS) as u32;
+                let mut rng = stream(seed, Purpose::Posture, HABIT.wrapping_add(block), group);
+                let keeps_high = rng.random::<bool>();
+                follow(coupling, path, start, &mut p.repetition(own(i), keeps_high))
+            }),
+            Nature::Relaxer(p) => {
+                each(&|i, start| follow(coupling, path, start, &mut p.repetition(own(i))))
+            }
+        }
     }
 }
 
-/// As a posture law says, with its chance.
-fn by_law(
-    coupling: &Coupling,
-    law: &PostureLaw,
-    path: &HandPath,
-    start: &Start,
-    rng: &mut ChaCha8Rng,
-) -> Rollout {
-    let span = path.duration_s() / (path.len() - 1).max(1) as f64;
-    let sampler = Sampler::new(law, Sampling::Pathwise);
-    let person = sampler.as_ref().map(|s| s.draw(rng, path.len(), span));
-    roll_out(coupling, law, path, start, person.as_ref())
+/// What somebody brings along, whatever their law: a body that holds a bar, and usual postures.
+#[derive(Debug, Clone)]
+struct Frame {
+    joints: Vec<String>,
+    coupling: Coupling,
+    usual: PostureDistribution,
+    /// Of the hand, pelvis frame: a vertical bar before the body, the thumb up.
+    grip: UnitQuaternion<f64>,
+    /// +1 for a right hand, -1 for a left one.
+    outward: f64,
 }
 
-/// A bias that lasts a repetition, of heavy-tailed size, and white noise beside it.
-fn rough(noise: &Noise, rng: &mut ChaCha8Rng) -> Noise {
-    let z = normals(rng, 4);
-    // A ratio of normal numbers to the root of a mean square: Student's t with 3 degrees of freedom.
-    let size = z[0].abs() / ((z[1] * z[1] + z[2] * z[2] + z[3] * z[3]) / 3.0).sqrt().max(0.2);
-    Noise {
-        factor: &noise.factor * (0.4 + 0.6 * size.min(4.0)),
-        shares: NoiseShares { white: 0.3, correlated: 0.1, lasting: 0.6 },
-        white_interval_s: 0.04,
-        ..noise.clone()
+impl Frame {
+    fn draw(body: &Body, side: Side, number: u64) -> Result<Self, InputError> {
+        let coupling = Coupling::new(body, side, Hold::Rigid)?;
+        Ok(Self {
+            joints: coupling.joints().map(str::to_owned).collect(),
+            coupling,
+            usual: simulated_person(body, side, Some(number))?.postures,
+            grip: rotation_from_axes(-Vec3::z(), -Vec3::x(), Vec3::y()),
+            outward: if side == Side::Right { 1.0 } else { -1.0 },
+        })
+    }
+
+    /// A root of the usual postures' covariance, n x n, rad.
+    fn spread(&self) -> Option<DMatrix<f64>> {
+        self.usual.covariance.clone().cholesky().map(|f| f.l())
     }
 }
 
-impl TruePerson {
-    /// Weights that go from one habit to the other with the height of the hand, and a pull to where
-    /// the body has been of late.
-    fn with_history(
-        &self,
-        coupling: &Coupling,
-        path: &HandPath,
-        time_s: &[f64],
-        start: &Start,
-        rng: &mut ChaCha8Rng,
-    ) -> Rollout {
-        let mut walk = HistoryWalk::new(self, coupling, start);
-        let mut q = vec![walk.q.clone()];
-        let mut lost = start.q.is_none().then_some(0);
-        let (mut largest, mut squares) = (0.0f64, 0.0);
-        let noise = &self.one.law.noise;
-        let mut drift = DVector::from_vec(normals(rng, noise.factor.ncols()));
-        for k in 1..path.len() {
-            let span = time_s[k] - time_s[k - 1];
-            let keep = (-span / noise.correlation_time_s).exp();
-            drift = drift * keep
-                + DVector::from_vec(normals(rng, noise.factor.ncols()))
-                    * (1.0 - keep * keep).sqrt();
-            if lost.is_none() {
-                let (from, to) = (&path.targets()[k - 1], &path.targets()[k]);
-                let speed = (to.translation.vector - from.translation.vector).norm() / span;
-                let chance = &noise.factor * &drift * noise.gain(&[speed]);
-                match walk.advance((from, to), path.usual_posture(k), &chance, span) {
-                    Some(residual) => {
-                        largest = largest.max(residual);
-                        squares += residual * residual;
-                    }
-                    None => lost = Some(k),
+/// Kind without side, and axis (0 Z, 1 X, 2 Y), of a joint such as `jRightElbow_Z`.
+fn parts(joint: &str) -> (&str, usize) {
+    let (bare, axis) = joint.rsplit_once('_').unwrap_or((joint, "Y"));
+    let bare = bare.trim_start_matches('j').trim_start_matches("Right").trim_start_matches("Left");
+    (bare, ["Z", "X", "Y"].iter().position(|a| *a == axis).unwrap_or(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::posture::{StartRule, start_postures};
+    use nalgebra::DVector;
+    use std::path::Path;
+
+    const COUNT: usize = 16;
+
+    struct Met {
+        coupling: Coupling,
+        person: TruePerson,
+        rollouts: Vec<Rollout>,
+        starts: Vec<Start>,
+        path: (Vec<f64>, Vec<Pose>),
+    }
+
+    /// A man of the kind whose hand is, at each share of 4 s, `up` above the low place (m).
+    fn met(kind: Kind, up: impl Fn(f64) -> f64) -> Met {
+        let body = Body::load("male_p50", Path::new(".")).unwrap();
+        let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+        let person = TruePerson::new(&body, Side::Right, kind, 2).unwrap();
+        let grip = rotation_from_axes(-Vec3::z(), -Vec3::x(), Vec3::y());
+        let hand =
+            |share: f64| Pose::from_parts(Vec3::new(0.42, -0.05 + up(share), 0.2).into(), grip);
+        let times: Vec<f64> = (0..=120).map(|i| f64::from(i) / 30.0).collect();
+        let hands: Vec<Pose> = (0..=120).map(|i| hand(f64::from(i) / 120.0)).collect();
+        let starts = start_postures(
+            &coupling,
+            person.postures(),
+            &StartRule::Sampled,
+            &hands[0],
+            (1, 1),
+            0..COUNT,
+        );
+        let rollouts = person.walk(&coupling, (&times, &hands), &starts, (1, 1), 0);
+        Met { coupling, person, rollouts, starts, path: (times, hands) }
+    }
+
+    fn rms_deg(d: &DVector<f64>) -> f64 {
+        (d.norm_squared() / d.len() as f64).sqrt().to_degrees()
+    }
+
+    fn up_and_down(share: f64) -> f64 {
+        0.4 * (1.0 - (2.0 * share - 1.0).abs())
+    }
+
+    #[test]
+    fn a_resting_hand_holds_the_posture_except_of_those_who_relax() {
+        for kind in Kind::ALL.into_iter().filter(|k| *k != Kind::InClass) {
+            let met = met(kind, |_| 0.15);
+            let moved = met.rollouts.iter().map(|r| rms_deg(&(&r.q[120] - &r.q[0])));
+            let mean = moved.sum::<f64>() / COUNT as f64;
+            if kind == Kind::RelaxingInTime {
+                assert!(mean > 1.0, "{}: {mean} deg", kind.name());
+            } else {
+                assert!(mean < 0.1, "{}: {mean} deg", kind.name());
+            }
+        }
+    }
+
+    #[test]
+    fn everybody_keeps_path_and_limits_and_differs_between_repetitions() {
+        for kind in Kind::ALL {
+            let met = met(kind, up_and_down);
+            for r in &met.rollouts {
+                assert_eq!(r.reach_exceeded_at, None, "{}", kind.name());
+                assert!(r.max_residual_m < 5e-4, "{}: {}", kind.name(), r.max_residual_m);
+                for q in &r.q {
+                    assert!(
+                        met.coupling.limits().violation(q.as_slice()) < 1e-8,
+                        "{}",
+                        kind.name()
+                    );
                 }
             }
-            q.push(walk.q.clone());
-        }
-        let reached = lost.unwrap_or(path.len()).max(1) as f64;
-        Rollout {
-            q,
-            reach_exceeded_at: lost,
-            max_residual_m: largest,
-            rms_residual_m: (squares / reached).sqrt(),
-            max_residual_rad: 0.0,
-        }
-    }
-}
-
-struct HistoryWalk<'a> {
-    person: &'a TruePerson,
-    coupling: &'a Coupling,
-    solver: StepSolver,
-    frames: Frames,
-    q: DVector<f64>,
-    /// Where the body has been of late.
-    past: DVector<f64>,
-}
-
-impl<'a> HistoryWalk<'a> {
-    fn new(person: &'a TruePerson, coupling: &'a Coupling, start: &Start) -> Self {
-        let q = start.q.clone().unwrap_or_else(|| DVector::zeros(coupling.dof()));
-        Self {
-            person,
-            coupling,
-            solver: StepSolver::new(person.one.law.weight.clone()),
-            frames: Frames::default(),
-            past: q.clone(),
-            q,
+            let mean = met.rollouts.iter().map(|r| r.q[60].clone()).sum::<DVector<f64>>();
+            let mean = mean / COUNT as f64;
+            let spread = met.rollouts.iter().map(|r| rms_deg(&(&r.q[60] - &mean)));
+            let spread = spread.sum::<f64>() / COUNT as f64;
+            assert!((0.3..10.0).contains(&spread), "{}: {spread} deg", kind.name());
         }
     }
 
-    /// Weights at a height of the hand over the pelvis (m): the other habit low, the first one high.
-    fn weight(&self, up_m: f64) -> DMatrix<f64> {
-        let high = 1.0 / (1.0 + (-up_m / 0.08).exp());
-        &self.person.one.law.weight * high + &self.person.other.law.weight * (1.0 - high)
+    #[test]
+    fn a_repetition_depends_on_its_number_only() {
+        for kind in Kind::ALL {
+            let met = met(kind, up_and_down);
+            let path = (&met.path.0[..], &met.path.1[..]);
+            let again = met.person.walk(&met.coupling, path, &met.starts[5..7], (1, 1), 5);
+            assert_eq!(again, met.rollouts[5..7], "{}", kind.name());
+        }
     }
 
-    /// Moves to the next sample; the residual of the hand there (m), none where it is lost.
-    fn advance(
-        &mut self,
-        (from, to): (&Pose, &Pose),
-        usual: Option<&DVector<f64>>,
-        chance: &DVector<f64>,
-        span: f64,
-    ) -> Option<f64> {
-        let limits = self.coupling.limits();
-        let h = span / SUBSTEPS as f64;
-        self.solver.set_weight(self.weight(to.translation.vector.y - 0.15));
-        let rate = self.person.one.law.attraction.as_ref().map_or(0.0, |a| 0.5 * a.rate());
-        for step in 0..SUBSTEPS {
-            let part = (step + 1) as f64 / SUBSTEPS as f64;
-            let target = crate::math::pose::interpolate(from, to, part);
-            let mut wish = (&self.past - &self.q) * RETURN_PER_S + chance;
-            if let Some(usual) = usual {
-                wish += (usual - &self.q) * rate;
-            }
-            let seen = self.coupling.observe(&self.q, &mut self.frames);
-            let task = self.coupling.task_error(&seen.pose, &target) / h;
-            let qdot = self.solver.solve(&self.q, &seen.jacobian, &task, &wish, limits, h).ok()?;
-            self.q.axpy(h, &qdot, 1.0);
-            self.past += (&self.q - &self.past) * (h / MEMORY_S);
-        }
-        self.correct(to)
-    }
-
-    /// Newton corrections at the end of a step.
-    fn correct(&mut self, to: &Pose) -> Option<f64> {
-        let limits = self.coupling.limits();
-        let still = DVector::zeros(self.q.len());
-        let linear = self.coupling.hold().linear_rows();
-        for _ in 0..6 {
-            let seen = self.coupling.observe(&self.q, &mut self.frames);
-            let error = self.coupling.task_error(&seen.pose, to);
-            let metres = error.rows(0, linear).norm();
-            if error.amax() <= CORRECT_BEYOND_M {
-                return Some(metres);
-            }
-            let step =
-                self.solver.solve(&self.q, &seen.jacobian, &error, &still, limits, 1.0).ok()?;
-            self.q += step;
-        }
-        let seen = self.coupling.observe(&self.q, &mut self.frames);
-        let left = self.coupling.task_error(&seen.pose, to).rows(0, linear).norm();
-        (left <= GIVE_UP_BEYOND_M).then_some(left)
+    #[test]
+    fn with_memory_the_way_down_is_not_the_way_up() {
+        // The same places at a quarter and at three quarters of the path.
+        let between = |kind: Kind| {
+            let met = met(kind, up_and_down);
+            let way = met.rollouts.iter().map(|r| &r.q[90] - &r.q[30]).sum::<DVector<f64>>();
+            rms_deg(&(way / COUNT as f64))
+        };
+        let (memory, recorded) = (between(Kind::HabitsWithMemory), between(Kind::AsRecorded));
+        assert!(memory > 1.5 && memory > 2.0 * recorded, "{memory} deg, {recorded} deg");
     }
 }

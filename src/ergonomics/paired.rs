@@ -101,7 +101,7 @@ pub fn paired_difference(a: &[f64], b: &[f64]) -> PairedDifference {
 
 /// 97.5 % quantile of Student's t: tabulated up to 4 degrees of freedom, then the Cornish-Fisher
 /// series about the normal quantile (Abramowitz and Stegun 26.7.5), good to 1e-3.
-pub(super) fn t_critical_975(degrees: usize) -> f64 {
+pub(crate) fn t_critical_975(degrees: usize) -> f64 {
     const FEW: [f64; 4] = [12.706_205, 4.302_653, 3.182_446, 2.776_445];
     const Z: f64 = 1.959_963_985;
     if let Some(t) = degrees.checked_sub(1).and_then(|i| FEW.get(i)) {

@@ -12,7 +12,7 @@ use super::step::StepSolver;
 use crate::kinematics::Frames;
 use crate::math::Pose;
 use crate::math::stream::{Purpose, normals, stream};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Residual of the hand (m and rad) at which a start posture is accepted.
@@ -25,6 +25,9 @@ const SETTLED: f64 = 1e-6;
 const LARGEST_ERROR_M: f64 = 0.1;
 /// Largest change of a joint in one iteration, rad.
 const LARGEST_STEP: f64 = 0.3;
+
+/// Share of its range by which any joint may stray where the person's own postures are too stiff.
+const STRAY_SHARE: f64 = 0.03;
 
 /// How the worker stands before the movement.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,6 +81,10 @@ pub fn start_postures(
 }
 
 /// The posture nearest to `wish` that has the hand at `hand` within the limits.
+///
+/// Where limits lock what the person's postures mostly vary in, the rest of their covariance can be so
+/// stiff that no step gets there although the hand can be held. Then every joint may also stray by a
+/// small share of its range: whether a place is in reach depends on the body, not on the person's habits.
 fn reach(
     coupling: &Coupling,
     postures: &PostureDistribution,
@@ -85,20 +92,27 @@ fn reach(
     hand: &Pose,
 ) -> Option<DVector<f64>> {
     // From the wish itself; where that fails (limits in the way), from the mean posture.
-    [wish, &postures.mean]
-        .into_iter()
-        .find_map(|from| reach_from(coupling, postures, wish, hand, from))
+    let by = |metric: &DMatrix<f64>| {
+        let mut froms = [wish, &postures.mean].into_iter();
+        froms.find_map(|from| reach_from(coupling, metric, wish, hand, from))
+    };
+    by(&postures.covariance).or_else(|| {
+        let limits = coupling.limits();
+        let stray = |i: usize| (STRAY_SHARE * (limits.upper[i] - limits.lower[i])).powi(2);
+        let stray = DVector::from_fn(wish.len(), |i, _| stray(i));
+        by(&(&postures.covariance + DMatrix::from_diagonal(&stray)))
+    })
 }
 
 fn reach_from(
     coupling: &Coupling,
-    postures: &PostureDistribution,
+    metric: &DMatrix<f64>,
     wish: &DVector<f64>,
     hand: &Pose,
     from: &DVector<f64>,
 ) -> Option<DVector<f64>> {
     let limits = coupling.limits();
-    let mut solver = StepSolver::new(postures.covariance.clone());
+    let mut solver = StepSolver::new(metric.clone());
     let mut frames = Frames::default();
     let clamp = |i: usize, v: f64| v.clamp(limits.lower[i], limits.upper[i]);
     let mut q = DVector::from_fn(from.len(), |i, _| clamp(i, from[i]));
@@ -122,4 +136,40 @@ fn reach_from(
         q += &step * (LARGEST_STEP / largest).min(1.0);
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::{Body, Side, Stance};
+    use crate::math::Vec3;
+    use crate::posture::{Hold, simulated_person};
+
+    #[test]
+    fn whether_a_low_place_is_in_reach_does_not_depend_on_the_draw() {
+        // A tall man's hand low before him: the trunk's bounds lock what these people's postures mostly
+        // vary in. The same place counted as in reach for some draws and out of reach for others.
+        let body = Body::load("male_p95", std::path::Path::new(".")).unwrap();
+        let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+        let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, Stance::Standing { shoe_m: 0.03 });
+        let grip = crate::math::pose::rotation_from_axes(-Vec3::z(), -Vec3::x(), Vec3::y());
+        let hand = |x: f64, y: f64, z: f64| {
+            let at = pelvis.inverse() * nalgebra::Point3::new(x, y, z);
+            Pose::from_parts(at.into(), grip)
+        };
+        let reached = |number: u64, hand: &Pose| {
+            let postures = simulated_person(&body, Side::Right, Some(number)).unwrap().postures;
+            let rule = StartRule::Sampled;
+            let starts = start_postures(&coupling, &postures, &rule, hand, (1, 1), 0..24);
+            let limits = coupling.limits();
+            for q in starts.iter().filter_map(|s| s.q.as_ref()) {
+                assert!(limits.violation(q.as_slice()) < 1e-9);
+            }
+            starts.iter().filter(|s| s.q.is_some()).count()
+        };
+        for number in [6, 10, 64, 70] {
+            assert_eq!(reached(number, &hand(0.41, -0.21, 0.65)), 24, "person {number}");
+        }
+        assert_eq!(reached(6, &hand(1.3, -0.21, 0.65)), 0);
+    }
 }

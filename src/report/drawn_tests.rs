@@ -7,7 +7,7 @@ use super::style::{
 };
 use super::tests::{feasible, scenario_file};
 use super::value_axis::method_color;
-use super::view::{View, worst_body};
+use super::view::View;
 use super::*;
 use crate::planner::{BodyScores, CandidateResult, look_at_cell};
 use crate::posture::Method;
@@ -91,7 +91,8 @@ fn body_parts_have_bars_for_both_paths() {
     let of =
         |c: &CandidateResult| -> Vec<BodyScores> { view.scores(c).cloned().into_iter().collect() };
     for (color, path) in [(BLUE, view.lead), (tint(MUTED, 0.35), view.straight)] {
-        let parts = &of(path.unwrap())[0].rula().parts;
+        let bodies = of(path.unwrap());
+        let parts = &bodies[0].rula().parts;
         let bars = figure.areas(color);
         // One is the key of the legend.
         assert_eq!(bars.len(), 2 * parts.len() + 1);

@@ -117,7 +117,7 @@ pub struct Freedoms {
 /// Name of the freedom of the pace.
 pub const TIMING: &str = "timing";
 /// Spread of the pace where the scenario does not say.
-const PACE_SPREAD: f64 = 1.0;
+pub const PACE_SPREAD: f64 = 1.0;
 
 /// Name of the freedom to turn on the way.
 pub const TURN_ON_THE_WAY: &str = "turn on the way";

@@ -6,7 +6,17 @@ use serde_json::Value;
 
 fn bench(threads: &str, output: &std::path::Path) -> Command {
     let mut command = ergopath();
-    command.args(["bench", "--quick", "--families", "bench", "--seed", "7", "--repetitions", "64"]);
+    command.args([
+        "bench",
+        "--quick",
+        "--families",
+        "low-bin",
+        "--seed",
+        "7",
+        "--repetitions",
+        "64",
+    ]);
+    command.arg("--pace");
     command.args(["--threads", threads, "-o"]).arg(output);
     command
 }
@@ -30,7 +40,12 @@ fn our_path_is_better_than_the_straight_one_under_the_truth() {
         assert!(png.starts_with(b"\x89PNG"), "{picture}");
     }
     let gain = all["gains"].as_array().unwrap().iter().find(|g| g[0] == "straight").unwrap();
-    assert!(gain[1]["low95"].as_f64().unwrap() > 0.0, "{gain}");
+    let of = |key: &str| gain[1][key].as_f64().unwrap();
+    assert!(of("mean") > 0.0, "{gain}");
+    assert!(of("low95") < of("mean") && of("mean") < of("high95"), "{gain}");
+    assert!(all["gains"].as_array().unwrap().iter().any(|g| g[0] == "ergopath_paced"), "{all}");
+    let gains = std::fs::read_to_string(room.path().join("1").join("gains.csv")).unwrap();
+    assert!(gains.contains("all,gain_expected_rula,straight,2,"), "{gains}");
     // The oracle knows more than we do.
     let share = all["share_of_oracle"]["mean"].as_f64().unwrap();
     assert!((0.3..1.1).contains(&share), "{share}");
