@@ -1,6 +1,8 @@
 //! Files at the edge: reading with errors that name the place, and writing whole or not at all.
 
+mod delimited;
 mod error;
+mod exact;
 mod memory;
 mod number;
 mod output;
@@ -8,6 +10,7 @@ mod schema;
 mod table;
 mod text;
 
+pub use delimited::CsvText;
 pub use error::{InputError, suggest};
 pub use memory::{peak_memory_mib, restart_peak_memory};
 pub use number::null_as_nan;
