@@ -25,6 +25,7 @@ mod bench;
 mod bench_print;
 mod body;
 mod check;
+mod check_cell;
 mod check_file;
 mod check_scenario;
 mod check_table;

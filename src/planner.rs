@@ -15,6 +15,7 @@
 
 mod apart;
 mod causes;
+mod cell_findings;
 mod cell_look;
 mod cell_sensitivity;
 mod evaluate;
@@ -39,7 +40,8 @@ mod space;
 mod stored;
 mod timing;
 
-pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
+pub use cell_findings::{CellFinding, HangingFeet, Intrusion, OutsideBox};
+pub use cell_look::{CellLook, HandAlong, HandReach, RobotAlong, RobotReach, look_at_cell};
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use objective::Figures;
 pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};

@@ -142,14 +142,18 @@ fn row(
 ) -> Vec<Cell> {
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     let once = |text: String| Cell::new(if is_first { text } else { String::new() });
+    // Another movement has no place among these.
+    let rank = match (c.ends, c.rank) {
+        (None, Some(rank)) => rank.to_string(),
+        _ => "–".to_owned(),
+    };
     let limits = match &c.status {
         Status::Feasible => "kept",
         Status::Marked { .. } => "over a limit",
         Status::Infeasible { .. } => "not feasible",
     };
     let share = b.rula.exposure.get(5).copied().unwrap_or(0.0);
-    let mut cells =
-        vec![once(c.rank.map_or_else(String::new, |r| r.to_string())), once(c.id.clone())];
+    let mut cells = vec![once(rank), once(c.id.clone())];
     cells.extend(several.then(|| Cell::new(&b.body)));
     cells.extend([
         bad_share(share),
@@ -219,8 +223,9 @@ fn to_mind(result: &RunResult, best: Option<&CandidateResult>) -> Vec<String> {
 /// of the planner's objective.
 fn fewer_people(result: &RunResult, best: &CandidateResult, body: &BodyScores) -> Option<String> {
     let people = |b: &BodyScores| b.rula.p_at_least.get(5).copied().unwrap_or(0.0);
-    let others =
-        result.candidates.iter().filter(|c| c.status == Status::Feasible && c.id != best.id);
+    let is_other =
+        |c: &&CandidateResult| c.status == Status::Feasible && c.ends.is_none() && c.id != best.id;
+    let others = result.candidates.iter().filter(is_other);
     let of = |c: &&CandidateResult| worst(c).map_or(1.0, people);
     let fewest = others.filter(|c| !c.bodies.is_empty()).min_by(|a, b| of(a).total_cmp(&of(b)))?;
     let (there, here) = (of(&fewest), people(body));

@@ -20,7 +20,9 @@ const CAVEAT: &str = "demonstration model, not your workers";
 
 /// The best feasible path of the report.
 fn best(candidates: &[CandidateResult]) -> Option<&CandidateResult> {
-    candidates.iter().find(|c| c.status == Status::Feasible && c.evaluated == Evaluated::Reported)
+    candidates.iter().find(|c| {
+        c.status == Status::Feasible && c.evaluated == Evaluated::Reported && c.ends.is_none()
+    })
 }
 
 /// Index of the body with the highest expected RULA.
@@ -37,8 +39,10 @@ fn worst_body(candidate: &CandidateResult) -> Option<&BodyScores> {
 /// The best path against every other path of the report, for every body.
 pub(super) fn comparisons(candidates: &[CandidateResult]) -> Vec<Comparison> {
     let Some(best) = best(candidates) else { return Vec::new() };
-    let others =
-        candidates.iter().filter(|c| c.id != best.id && c.evaluated == Evaluated::Reported);
+    let is_other = |c: &&CandidateResult| {
+        c.id != best.id && c.evaluated == Evaluated::Reported && c.ends.is_none()
+    };
+    let others = candidates.iter().filter(is_other);
     let mut all = Vec::new();
     for other in others {
         for (a, b) in best.bodies.iter().zip(&other.bodies) {

@@ -185,9 +185,11 @@ pub(super) fn select(
     Ok(order.into_iter().map(|i| pool[i].clone()).collect())
 }
 
+/// Paths that begin or end elsewhere come after those that they cannot be compared with.
 fn by_value(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
     let of = |f: &Finalist| f.value.unwrap_or(f64::INFINITY);
-    of(a).total_cmp(&of(b))
+    let is_elsewhere = |f: &Finalist| f.prepared.ends.is_some();
+    is_elsewhere(a).cmp(&is_elsewhere(b)).then(of(a).total_cmp(&of(b)))
 }
 
 /// Sends people along some of the pool and sets their values.
@@ -251,6 +253,7 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             bodies: Vec::new(),
             path: None,
             poses: Vec::new(),
+            ends: None,
         }
     };
     tried.par_iter().map(result).collect()

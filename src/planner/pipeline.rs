@@ -202,7 +202,7 @@ fn run(
             rollouts.extend(environment.tables(&finalist.prepared, &walks, rank));
         }
         motions.extend(environment.film(&finalist.prepared, &result, &walks));
-        if best.is_none() && result.status == Status::Feasible {
+        if best.is_none() && result.status == Status::Feasible && result.ends.is_none() {
             let worst = worst_index(&result.bodies);
             best = worst.and_then(|i| Some((walks.into_iter().nth(i)?, finalist, people.get(i)?)));
         }
@@ -359,6 +359,7 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         bodies: Vec::new(),
         path: None,
         poses: Vec::new(),
+        ends: prepared.ends,
     }
 }
 

@@ -11,7 +11,7 @@ use crate::files::null_as_nan;
 use crate::path::{Change, Check, Family};
 use crate::posture::MethodQuality;
 use crate::robot::{JointMargin, JointTrajectory};
-use crate::scenario::{Origin, Task};
+use crate::scenario::{EndMismatch, Origin, Task};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -163,6 +163,10 @@ pub struct CandidateResult {
     pub path: Option<PathData>,
     /// Pictures of the mean posture; only for paths of the selection.
     pub poses: Vec<PosePicture>,
+    /// The user's own, and not from the scenario's start to its goal: scored, but compared with no
+    /// other and neither best nor worst.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends: Option<EndMismatch>,
 }
 
 /// Whether a path can be used.
