@@ -3,7 +3,9 @@
 //! [`Outputs`] is the door for everything that a command writes; the readers note what is read, so that
 //! no output lands on an input.
 
+mod delimited;
 mod error;
+mod exact;
 mod folder;
 mod inputs;
 mod marker;
@@ -18,6 +20,7 @@ mod signature;
 mod table;
 mod text;
 
+pub use delimited::CsvText;
 pub use error::{InputError, suggest};
 pub use inputs::note_input;
 pub use marker::refuse_incomplete;

@@ -16,6 +16,7 @@
 mod along;
 mod apart;
 mod causes;
+mod cell_findings;
 mod cell_look;
 mod cell_sensitivity;
 mod evaluate;
@@ -44,7 +45,8 @@ mod stored;
 mod timing;
 mod verdict;
 
-pub use cell_look::{CellLook, HandReach, RobotReach, look_at_cell};
+pub use cell_findings::{CellFinding, HangingFeet, Intrusion, OutsideBox};
+pub use cell_look::{CellLook, HandAlong, HandReach, RobotAlong, RobotReach, look_at_cell};
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use findings::{Figure, Finding, Severity, Subject, Why};
 pub use objective::Figures;

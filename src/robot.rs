@@ -41,7 +41,7 @@ pub use collide::{SelfNearest, measure_room, self_clearance};
 pub use description::{Assumed, Brake, Limits, Robot, RobotNote};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
 pub use joint_trajectory::{
-    Duration, Header, JointMargin, JointTrajectory, Point, TrajectoryFault,
+    Duration, Header, JointMargin, JointTrajectory, OddVelocity, Point, TrajectoryFault,
 };
 pub use preset::PRESETS;
 pub use refusal::{AtLimit, NoMotion};

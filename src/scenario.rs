@@ -9,23 +9,28 @@
 mod cell;
 mod check;
 mod defaults;
+mod ends;
 mod file;
 mod freedom;
 mod paths;
+mod plausible;
 mod source;
 mod task;
 mod worker;
 
 pub use cell::PersonMargin;
-pub use check::Scenario;
+pub use check::{FacesAway, Scenario};
 pub use defaults::defaults_in_force;
+pub use ends::{END_TOLERANCE_DEG, END_TOLERANCE_M, EndMismatch};
 pub use file::{OtherArm, PosturePick};
 pub use freedom::{Chosen, Freedom, Freedoms, PACE_SPREAD, TIMING, TURN_ON_THE_WAY, Variant};
 pub use paths::{UserPath, read_user_path};
+pub use plausible::Doubt;
 pub use task::{Origin, Task};
 pub use worker::Worker;
 
 use crate::files::{InputError, parse_toml, read_text, sha256_hex, toml_schema};
+use std::cell::RefCell;
 use std::path::Path;
 
 /// Schema id and version of scenario files.
@@ -40,7 +45,7 @@ pub fn scenario_schema() -> serde_json::Value {
 pub fn read_scenario(path: &Path) -> Result<Scenario, InputError> {
     let text = read_text(path)?;
     let file: file::ScenarioFile = parse_toml(path, &text)?;
-    let source =
-        source::Source { path, text: &text, folder: path.parent().unwrap_or(Path::new(".")) };
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let source = source::Source { path, text: &text, folder, doubts: RefCell::default() };
     check::resolve(&source, file, sha256_hex(text.as_bytes()))
 }

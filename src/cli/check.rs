@@ -36,12 +36,14 @@ pub(super) struct Explained {
     pub kind: String,
     /// What it says.
     pub says: Vec<String>,
-    /// What is assumed because it does not say.
-    pub assumed: Vec<String>,
-    /// What a reader should mind.
-    pub mind: Vec<String>,
+    /// What holds because it does not say.
+    pub defaults: Vec<String>,
+    /// What a reader should know, without being a fault.
+    pub notes: Vec<String>,
+    /// What a reader should look at.
+    pub warnings: Vec<String>,
     /// What keeps it from being of use.
-    pub faults: Vec<String>,
+    pub errors: Vec<String>,
 }
 
 impl Explained {
@@ -77,9 +79,9 @@ pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
     Ok(outcome(&explained))
 }
 
-/// Faults are what `plan` would find too: nothing is feasible.
+/// Errors are what `plan` would find too: nothing is feasible.
 pub(super) fn outcome(explained: &Explained) -> Outcome {
-    if explained.faults.is_empty() { Outcome::Done } else { Outcome::NothingFeasible }
+    if explained.errors.is_empty() { Outcome::Done } else { Outcome::NothingFeasible }
 }
 
 pub(super) fn print_json(value: &impl Serialize) -> Result<(), InputError> {
@@ -94,9 +96,10 @@ pub(super) fn print(args: &Args, explained: &Explained) {
         say!("  {line}");
     }
     for (heading, lines) in [
-        ("Not given, so", &explained.assumed),
-        ("To mind", &explained.mind),
-        ("Not possible like this", &explained.faults),
+        ("Defaults used", &explained.defaults),
+        ("Notes", &explained.notes),
+        ("Warnings", &explained.warnings),
+        ("Errors", &explained.errors),
     ] {
         if !lines.is_empty() {
             say!("\n{heading}");
@@ -105,7 +108,7 @@ pub(super) fn print(args: &Args, explained: &Explained) {
             }
         }
     }
-    if explained.faults.is_empty() {
-        say!("\nIt is fine.");
+    if explained.errors.is_empty() && explained.warnings.is_empty() {
+        say!("\nNo problems found.");
     }
 }

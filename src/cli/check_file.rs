@@ -145,8 +145,8 @@ fn result(r: &crate::planner::RunResult) -> Explained {
         explained =
             explained.saying(format!("input {name}: SHA-256 {}…", &hash[..hash.len().min(16)]));
     }
-    explained.mind.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).to_owned()));
-    explained.mind.extend(r.warnings.iter().cloned());
+    explained.notes.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).to_owned()));
+    explained.warnings.extend(r.warnings.iter().cloned());
     explained
 }
 
@@ -185,10 +185,10 @@ fn model(path: &Path) -> Result<Explained, InputError> {
     }
     if p.simulated {
         explained
-            .mind
+            .notes
             .push("made from a simulated operator: a demonstration, not your workers".into());
     }
-    explained.mind.extend(p.notes.iter().cloned());
+    explained.notes.extend(p.notes.iter().cloned());
     Ok(explained)
 }
 
@@ -230,10 +230,10 @@ fn urdf(path: &Path) -> Result<Explained, InputError> {
         .saying(format!("{} joints that move: {}", names.len(), names.join(", ")));
     for j in &model.joints {
         if j.kind != JointKind::Fixed && j.mimic.is_none() && j.velocity.is_infinite() {
-            explained.mind.push(format!("joint `{}` has no velocity limit", j.name));
+            explained.warnings.push(format!("joint `{}` has no velocity limit", j.name));
         }
     }
-    explained.mind.extend(model.warnings.iter().cloned());
+    explained.warnings.extend(model.warnings.iter().cloned());
     Ok(explained)
 }
 
@@ -250,27 +250,31 @@ fn recording(r: &Recording) -> Explained {
             r.segments.len(),
             r.segments.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ")
         ));
-    explained.mind.extend(r.notes.iter().cloned());
+    explained.notes.extend(r.notes.iter().cloned());
     explained
 }
 
 fn trajectory(path: &Path) -> Result<Explained, InputError> {
     let text = read_text(path)?;
     let is_json = path.extension().is_some_and(|x| x.eq_ignore_ascii_case("json"));
-    let fault = |e: String| {
-        InputError::new(path, format!("is no JointTrajectory: {e}")).remedy(
+    let t = JointTrajectory::from_text(&text, is_json).map_err(|e| {
+        InputError::new(path, e.to_string()).remedy(
             "joint_names, and points with positions and time_from_start, as ROS writes them",
         )
-    };
-    let t: JointTrajectory = if is_json {
-        serde_json::from_str(&text).map_err(|e| fault(e.to_string()))?
-    } else {
-        serde_saphyr::from_str(&text).map_err(|e| fault(e.to_string()))?
-    };
+    })?;
     let end = t.points.last().map_or(0.0, |p| p.time_from_start.seconds());
     let mut explained = Explained::new("the motion of a robot (ROS JointTrajectory)")
         .saying(format!("{} points over {end:.2} s", t.points.len()))
         .saying(format!("joints: {}", t.joint_names.join(", ")));
+    if let Some(odd) = t.odd_velocity() {
+        explained.warnings.push(format!(
+            "point {}, joint `{}`: the file gives a velocity of {:.3}, but the positions move at {:.3}",
+            odd.point + 1,
+            odd.joint,
+            odd.given,
+            odd.moved
+        ));
+    }
     let fits = |name: &&&str| Robot::preset(name).is_ok_and(|r| t.postures(&r).is_ok());
     match PRESETS.iter().find(fits) {
         Some(name) => {
@@ -282,9 +286,9 @@ fn trajectory(path: &Path) -> Result<Explained, InputError> {
                 .map(|m| format!("joint `{}` of {name} leaves its limits between the points", m.joint))
                 .collect();
             explained = explained.saying(format!("the joints are those of the preset `{name}`"));
-            explained.mind.extend(broken);
+            explained.warnings.extend(broken);
         }
-        None => explained.mind.push(
+        None => explained.notes.push(
             "the joints are of no preset: whether it keeps a robot's limits is seen with a scenario (`ergopath assess`)"
                 .into(),
         ),

@@ -103,40 +103,25 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
     if !scenario.free.all.is_empty() {
         says.push(format!("the planner may choose: {}", scenario.free.names().join(", ")));
     }
-    for h in &look.hands {
-        says.push(format!(
-            "{}: the hand of `{}` gets there with {} of {} start postures",
-            h.end, h.body, h.reached, h.tries
-        ));
-    }
-    for r in look.robot.iter().filter(|r| r.postures > 0) {
-        let room = match (r.clearance_m, &r.nearest) {
-            (Some(clearance), Some(what)) => format!("; {:.0} mm of room: {what}", 1e3 * clearance),
-            _ => "; no obstacle to run into".to_owned(),
-        };
-        says.push(format!(
-            "{}: the robot gets there in at least {} postures{room}",
-            r.end, r.postures
-        ));
-    }
-    explained.assumed = defaults_in_force(text);
-    explained.assumed.extend(s.assumed_limits.iter().map(|l| format!("limits.{l}")));
-    explained.assumed.extend(
+    says.extend(words::look::lines(look));
+    explained.defaults = defaults_in_force(text);
+    explained.defaults.extend(s.assumed_limits.iter().map(|l| format!("limits.{l}")));
+    explained.defaults.extend(
         scenario.robot.assumed().iter().map(|a| format!("robot: {}", words::robot::assumed(a))),
     );
-    explained.mind.extend(scenario.warnings.iter().cloned());
     if scenario.worker.model.provenance.simulated {
         explained
-            .mind
+            .notes
             .push("the posture model is that of a simulated operator, not of your workers".into());
     }
-    for h in look.hands.iter().filter(|h| h.reached > 0 && 4 * h.reached < 3 * h.tries) {
-        explained.mind.push(format!(
-            "only {} of {} start postures of `{}` get to the {}: it is near the end of what the hand reaches",
-            h.reached, h.tries, h.body, h.end
-        ));
+    explained
+        .notes
+        .extend(scenario.robot.notes.iter().map(|n| format!("robot: {}", words::robot::note(n))));
+    explained.warnings.extend(scenario.warnings.iter().cloned());
+    for finding in look.findings() {
+        let list = if finding.is_error() { &mut explained.errors } else { &mut explained.warnings };
+        list.push(words::look::sentence(&finding));
     }
-    explained.faults = look.faults();
     explained
 }
 
@@ -149,7 +134,7 @@ fn measured(
     let path =
         args.result.as_deref().map(|r| best_path(r, &args.file, explained)).transpose()?.flatten();
     if path.is_some() && !scenario.free.all.is_empty() {
-        explained.mind.push(
+        explained.warnings.push(
             "the scenario leaves something to the planner; here the cell stands as the scenario says, not as the \
              planner may have chosen"
                 .into(),
@@ -168,7 +153,7 @@ fn best_path(
 ) -> Result<Option<FixedPath>, InputError> {
     let result = read_result(place)?;
     if let Freshness::OutOfDate { changed, .. } = freshness(&result, place, Some(scenario))? {
-        explained.mind.push(format!(
+        explained.warnings.push(format!(
             "the run is out of date: {} changed since; its path is taken as it is",
             changed.join(", ")
         ));

@@ -2,7 +2,7 @@
 
 use super::check::Explained;
 use crate::ergonomics::{Profile, Worksheet};
-use crate::files::{InputError, NumericTable, read_bytes};
+use crate::files::{CsvText, InputError, NumericTable, read_bytes};
 use crate::human::{Body, Side};
 use crate::robot::{PRESETS, Robot};
 use crate::scenario::read_user_path;
@@ -21,13 +21,10 @@ pub(super) fn table(path: &Path) -> Result<Explained, InputError> {
             .remedy("give the folder that holds the CSV files of all bodies"));
     }
     let bytes = read_bytes(path)?;
-    let broken = |e: csv::Error| InputError::new(path, format!("is not a table: {e}"));
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes));
-    let columns: Vec<String> =
-        reader.headers().map_err(broken)?.iter().map(str::to_owned).collect();
+    let text = CsvText::of(path, &bytes)?;
+    let mut reader = text.reader();
+    let header = reader.headers().map_err(|e| text.broken(path, &e))?;
+    let columns: Vec<String> = header.iter().map(str::to_owned).collect();
     let rows = reader.records().count();
     let has = |c: &str| columns.iter().any(|k| k == c);
     let has_all = |names: &[&str]| names.iter().all(|n| has(n));
@@ -77,7 +74,7 @@ fn few(columns: &[String]) -> String {
 }
 
 fn path_of(path: &Path, robot: &str, kind: &str) -> Result<Explained, InputError> {
-    let user = read_user_path("path", path, &Robot::preset(robot)?)?;
+    let user = read_user_path("path", path, &Robot::preset(robot)?, None)?;
     let (p, ends) = (&user.path, [user.path.poses.first(), user.path.poses.last()]);
     let mut explained = Explained::new(kind).saying(format!(
         "{} samples over {:.2} s, {:.3} m of way",
@@ -96,7 +93,7 @@ fn path_of(path: &Path, robot: &str, kind: &str) -> Result<Explained, InputError
             p.velocities().iter().map(|v| v.fixed_rows::<3>(0).norm()).fold(0.0, f64::max);
         explained = explained.saying(format!("fastest {fastest:.3} m/s between samples"));
     }
-    explained.mind.push(
+    explained.notes.push(
         "whether it keeps the limits of a cell is seen with a scenario: ergopath assess SCENARIO --path FILE".into(),
     );
     Ok(explained)
@@ -131,7 +128,7 @@ fn motion(path: &Path) -> Result<Explained, InputError> {
             side.prefix().to_lowercase()
         ));
     if text.starts_with(SIMULATED_MARK) {
-        explained.mind.push("the movements are those of a simulated operator".into());
+        explained.notes.push("the movements are those of a simulated operator".into());
     }
     Ok(explained)
 }
@@ -146,7 +143,7 @@ fn data(path: &Path, columns: &[String], rows: usize) -> Explained {
     };
     let mut explained = Explained::new("a data file of a chain (rows of what joints and task did)")
         .saying(format!("{rows} rows, {} joints, {} rows of the task", count("q"), count("xdot")));
-    explained.mind.push(format!(
+    explained.notes.push(format!(
         "whether it fits a chain is seen with it: ergopath evaluate {} --chain URDF:BASE:TIP",
         path.display()
     ));

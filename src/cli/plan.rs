@@ -8,10 +8,13 @@ use crate::planner::{
     self, Checkpoint, Decision, PlanError, Request, RunResult, Step, load_preset,
 };
 use crate::report;
-use crate::scenario::{Scenario, read_scenario, read_user_path};
+use crate::scenario::{Scenario, read_scenario};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// More threads than any machine has cores; starting them alone would take minutes.
+const MOST_THREADS: usize = 1024;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -81,14 +84,7 @@ pub(super) fn plan(args: &PlanArgs, outputs: Outputs) -> Result<Outcome, Failure
 pub(super) fn assess(args: &AssessArgs, outputs: Outputs) -> Result<Outcome, Failure> {
     let mut scenario = read_scenario(&args.scenario)?;
     for file in &args.path {
-        let name = file.file_stem().unwrap_or_default().to_string_lossy();
-        let path = read_user_path(&name, file, &scenario.robot)?;
-        if scenario.paths.iter().any(|p| p.name == path.name) {
-            let message = format!("there are two paths named `{}`", path.name);
-            return Err(InputError::new(file, message).remedy("rename one of the files").into());
-        }
-        scenario.warnings.extend(path.warning());
-        scenario.paths.push(path);
+        scenario.add_path(file)?;
     }
     run("assess", &scenario, &args.common, None, planner::assess, outputs)
 }
@@ -153,9 +149,10 @@ pub(super) fn with_threads<R: Send>(
     work: impl FnOnce() -> R + Send,
 ) -> Result<R, Failure> {
     let Some(threads) = threads else { return Ok(work()) };
-    if threads == 0 {
-        return Err(InputError::new("--threads", "0 threads cannot work")
-            .remedy("use 1 or more")
+    if !(1..=MOST_THREADS).contains(&threads) {
+        let message = format!("{threads} threads are not possible");
+        return Err(InputError::new("--threads", message)
+            .remedy(format!("use 1 to {MOST_THREADS}; the number of cores is best"))
             .into());
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -90,6 +90,24 @@ impl InputError {
         self
     }
 
+    /// The error of an input that another file names: with that file and place in front, and its own
+    /// remedy kept. Where it shows a place of its own, that stays.
+    #[must_use]
+    pub fn named_in(
+        self,
+        file: &Path,
+        key: &str,
+        text: &str,
+        range: std::ops::Range<usize>,
+    ) -> Self {
+        if self.span.is_some() {
+            let message = format!("{} ({key} in {})", self.message, file.display());
+            return Self { message, ..self };
+        }
+        let error = Self::new(file, format!("{key}: {}: {}", self.file, self.message));
+        Self { help: self.help, ..error }.at(text, range)
+    }
+
     /// What is wrong, without file and remedy.
     pub fn message(&self) -> &str {
         &self.message

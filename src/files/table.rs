@@ -1,5 +1,6 @@
 //! CSV tables of finite numbers with a header.
 
+use super::delimited::CsvText;
 use super::error::{InputError, suggest};
 use super::text::read_bytes;
 use std::path::Path;
@@ -12,6 +13,7 @@ pub struct NumericTable {
     pub columns: Vec<String>,
     /// Rows of values, in file order.
     pub rows: Vec<Vec<f64>>,
+    lines: Vec<u64>,
 }
 
 impl NumericTable {
@@ -21,43 +23,51 @@ impl NumericTable {
         Self::parse(path, &read_bytes(path)?)
     }
 
-    /// Parses CSV bytes; `path` is only named in errors.
+    /// Parses CSV bytes, written in any way that [`CsvText`] reads; `path` is only named in errors.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, InputError> {
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-        let broken = |e: csv::Error| {
-            InputError::new(path, format!("is not a table: {e}"))
-                .remedy("every row needs as many comma-separated cells as the header")
-        };
-        let columns: Vec<String> =
-            reader.headers().map_err(broken)?.iter().map(str::to_owned).collect();
+        let text = CsvText::of(path, bytes)?;
+        let mut reader = text.reader();
+        let header = reader.headers().map_err(|e| text.broken(path, &e))?;
+        let columns: Vec<String> = header.iter().map(str::to_owned).collect();
         for (i, name) in columns.iter().enumerate() {
             if columns[..i].contains(name) {
-                return Err(InputError::new(path, format!("column `{name}` appears twice")));
+                return Err(InputError::new(path, format!("column `{name}` appears twice"))
+                    .remedy("keep one of the two, or rename one"));
             }
         }
-        let mut rows = Vec::new();
+        let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
-            let record = record.map_err(broken)?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let record = record.map_err(|e| text.broken(path, &e))?;
+            let line = text.line(&record);
             let row: Result<Vec<f64>, InputError> = record
                 .iter()
                 .zip(&columns)
-                .map(|(cell, column)| match cell.parse::<f64>() {
-                    Ok(value) if value.is_finite() => Ok(value),
-                    _ => Err(InputError::new(
-                        path,
-                        format!("line {line}, column `{column}`: `{cell}` is not a finite number"),
-                    )
-                    .remedy("remove the row or fill the gap; ergopath does not guess values")),
+                .map(|(cell, column)| {
+                    text.number(cell).ok_or_else(|| {
+                        InputError::new(
+                            path,
+                            format!(
+                                "line {line}, column `{column}`: `{cell}` is not a finite number"
+                            ),
+                        )
+                        .remedy("remove the row or fill the gap; ergopath does not guess values")
+                    })
                 })
                 .collect();
             rows.push(row?);
+            lines.push(line);
         }
         if rows.is_empty() {
-            return Err(InputError::new(path, "holds a header but no rows"));
+            return Err(
+                InputError::new(path, "holds a header but no rows").remedy("is the file complete?")
+            );
         }
-        Ok(Self { file: path.display().to_string(), columns, rows })
+        Ok(Self { file: path.display().to_string(), columns, rows, lines })
+    }
+
+    /// Line of the file on which a row stands, from 1.
+    pub fn line(&self, row: usize) -> u64 {
+        self.lines.get(row).copied().unwrap_or_default()
     }
 
     /// Index of a column.
@@ -91,6 +101,8 @@ mod tests {
         let t = parse("a, b\n1,2\n3, 4.5\n").unwrap();
         assert_eq!(t.column("b").unwrap(), [2.0, 4.5]);
         assert!(t.column("bb").is_err());
+        let late = parse("# from a logger\n\na,b\n\n1,2\n3,4\n").unwrap();
+        assert_eq!((late.line(0), late.line(1)), (5, 6));
     }
 
     #[test]

@@ -1,24 +1,44 @@
 //! Reading text and TOML.
 
 use super::error::{InputError, suggest};
+use super::exact::Exact;
 use super::inputs::note_input;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Reads a file whole.
+/// Largest file that is read at all, and largest TOML, bytes: what is larger is something else.
+const LARGEST_FILE: u64 = 2 << 30;
+const LARGEST_TOML: usize = 4 << 20;
+
+/// Reads a file whole. Refused: what is no regular file (a pipe would hang, a device has no end), and
+/// more than 2 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     note_input(path);
-    std::fs::read(path).map_err(|e| {
-        let error = InputError::new(path, format!("cannot be read: {}", plain(&e)));
+    let unread = |e: &std::io::Error| {
+        let error = InputError::new(path, format!("cannot be read: {}", plain(e)));
         match e.kind() {
             std::io::ErrorKind::NotFound => error.remedy(
                 "check the path; paths inside a scenario are relative to the scenario file",
             ),
             _ => error,
         }
-    })
+    };
+    let about = std::fs::metadata(path).map_err(|e| unread(&e))?;
+    if about.is_dir() {
+        return Err(InputError::new(path, "is a folder, not a file").remedy("name a file in it"));
+    }
+    if !about.is_file() {
+        return Err(InputError::new(path, "is a pipe or a device, not a file")
+            .remedy("save the data to a file and name that"));
+    }
+    if about.len() > LARGEST_FILE {
+        let size = about.len() as f64 / f64::from(1u32 << 30);
+        return Err(InputError::new(path, format!("is {size:.1} GiB large; at most 2 are read"))
+            .remedy("is it the right file? Otherwise cut it into parts"));
+    }
+    std::fs::read(path).map_err(|e| unread(&e))
 }
 
 /// Reads a UTF-8 text file whole.
@@ -31,8 +51,14 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 }
 
 /// Parses TOML into a type that refuses unknown keys; the error shows line, caret and suggestion.
+/// Arrays of fixed length must have it, and a text of more than 4 MiB is refused.
 pub fn parse_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, InputError> {
-    toml::from_str(text).map_err(|e| {
+    if text.len() > LARGEST_TOML {
+        return Err(InputError::new(path, "is more than 4 MiB of TOML")
+            .remedy("is it the right file? Scenarios, planners and body sheets are a few kB"));
+    }
+    let parsed = toml::Deserializer::parse(text).and_then(|d| T::deserialize(Exact(d)));
+    parsed.map_err(|e| {
         let message = e.message().to_owned();
         let mut error = InputError::new(path, shortened(&message));
         if let Some(help) = help_for(&message) {
@@ -48,7 +74,16 @@ pub fn parse_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Inp
 /// The first line, without the list of all known keys (the remedy names the nearest).
 fn shortened(message: &str) -> String {
     let line = message.lines().next().unwrap_or_default();
-    line.split(", expected one of").next().unwrap_or_default().to_owned()
+    wrong_length(line)
+        .unwrap_or_else(|| line.split(", expected one of").next().unwrap_or_default().to_owned())
+}
+
+/// serde's "invalid length 3, expected an array of length 2" as one would say it.
+fn wrong_length(line: &str) -> Option<String> {
+    let (found, wanted) =
+        line.strip_prefix("invalid length ")?.split_once(", expected an array of length ")?;
+    let values = if found == "1" { "value" } else { "values" };
+    Some(format!("the list has {found} {values} where exactly {wanted} are expected"))
 }
 
 /// For serde's "unknown field `x`, expected one of `a`, `b`": the nearest of them.
@@ -100,6 +135,52 @@ mod tests {
         assert!(error.to_string().contains("unknown field `statur_m`"), "{error}");
         assert_eq!(error.help().unwrap().to_string(), "did you mean `stature_m`?");
         assert_eq!(error.labels().unwrap().next().unwrap().offset(), 16);
+    }
+
+    #[test]
+    fn an_array_has_its_length_however_deep_it_lies() {
+        #[derive(Debug, serde::Deserialize)]
+        #[expect(dead_code, reason = "only parsed")]
+        struct Cell {
+            at_m: Option<toml::Spanned<[f64; 2]>>,
+            #[serde(default)]
+            vias_m: Vec<[f64; 3]>,
+            shape: Option<Shape>,
+            inner: Option<Box<Cell>>,
+        }
+        #[derive(Debug, serde::Deserialize)]
+        #[serde(tag = "kind", rename_all = "lowercase")]
+        #[expect(dead_code, reason = "only parsed")]
+        enum Shape {
+            Box { size_m: [f64; 3] },
+        }
+        let parse = |text: &str| parse_toml::<Cell>(Path::new("c.toml"), text);
+        parse(
+            "at_m = [1, 2]\nvias_m = [[1, 2, 3]]\nshape = { kind = \"box\", size_m = [1, 2, 3] }",
+        )
+        .unwrap();
+        for (text, found, wanted, at) in [
+            ("at_m = [1, 2, 3]", 3, 2, 7),
+            ("at_m = [1]", 1, 2, 7),
+            ("vias_m = [[1, 2, 3], [1, 2, 3, 4, 5]]", 5, 3, 21),
+            ("[inner]\nat_m = [1, 2, 3]", 3, 2, 15),
+        ] {
+            let error = parse(text).unwrap_err();
+            let words = format!("the list has {found} value");
+            assert!(error.to_string().contains(&words), "{text}: {error}");
+            assert!(error.to_string().contains(&format!("exactly {wanted}")), "{text}: {error}");
+            assert_eq!(error.labels().unwrap().next().unwrap().offset(), at, "{text}");
+        }
+        assert!(parse("shape = { kind = \"box\", size_m = [1, 2, 3, 4] }").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_devices_and_folders_are_refused_at_once() {
+        let error = read_bytes(Path::new("/dev/zero")).unwrap_err();
+        assert!(error.to_string().contains("a pipe or a device"), "{error}");
+        let error = read_bytes(Path::new("/dev")).unwrap_err();
+        assert!(error.to_string().contains("is a folder"), "{error}");
     }
 
     #[test]

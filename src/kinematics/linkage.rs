@@ -43,6 +43,8 @@ pub struct JointLimit {
     pub upper: f64,
     /// Velocity limit, rad/s or m/s.
     pub velocity: f64,
+    /// Acceleration limit, rad/s^2 or m/s^2; infinity if the file gives none.
+    pub acceleration: f64,
 }
 
 /// Why a linkage cannot be made.
@@ -379,6 +381,7 @@ fn limit_of(joint: &Joint) -> JointLimit {
         lower: joint.lower,
         upper: joint.upper,
         velocity: joint.velocity,
+        acceleration: joint.acceleration,
     }
 }
 

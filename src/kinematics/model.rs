@@ -48,6 +48,8 @@ pub struct Joint {
     pub upper: f64,
     /// Velocity limit, rad/s or m/s; infinity if the file gives none.
     pub velocity: f64,
+    /// Acceleration limit, rad/s^2 or m/s^2; infinity if the file gives none.
+    pub acceleration: f64,
     /// Set for a joint that follows another.
     pub mimic: Option<Mimic>,
 }

@@ -5,6 +5,8 @@
 //! would give wrong kinematics, so each is an error here that names the line; what is only odd
 //! becomes a warning of the model.
 
+mod limits;
+
 use super::model::{Joint, JointKind, Link, Mimic, Model, Shape};
 use crate::files::{InputError, read_text, suggest};
 use crate::math::{Pose, Vec3};
@@ -33,6 +35,9 @@ const KNOWN_TAGS: &[&str] = &[
 /// How far an axis may be from unit length before it is normalised with a warning.
 const AXIS_TOLERANCE: f64 = 1e-4;
 
+/// Farthest origin of a joint, and largest collision shape, that is taken for metres.
+const FARTHEST_M: f64 = 20.0;
+
 /// Reads and checks a URDF file.
 pub fn read_urdf(path: &Path) -> Result<Model, InputError> {
     parse_urdf(path, &read_text(path)?)
@@ -56,6 +61,7 @@ pub fn parse_urdf(path: &Path, text: &str) -> Result<Model, InputError> {
         InputError::new(path, format!("is not valid URDF: {e}"))
             .remedy("check the file with a URDF validator; xacro files must be expanded first")
     })?;
+    limits::check_shapes(path, &parsed)?;
     let joint_nodes: Vec<Node> = robot.children().filter(|n| n.has_tag_name("joint")).collect();
     let mut links: Vec<Link> = parsed.links.iter().map(convert_link).collect();
     let massless = parsed.links.iter().filter(|l| l.inertial.mass.value <= 0.0).count();
@@ -157,20 +163,22 @@ impl Source<'_> {
             urdf_rs::JointType::Fixed => JointKind::Fixed,
             _ => JointKind::Unsupported,
         };
+        if let Some(far) = origin.translation.vector.iter().find(|v| v.abs() > FARTHEST_M) {
+            return Err(self
+                .error(node, format!("joint `{name}`: its origin is {far} m away from its parent"))
+                .remedy("URDF is in metres: is the file in millimetres?"));
+        }
         let mut axis = Vec3::from(joint.axis.xyz.0);
-        let (mut lower, mut upper, mut velocity) =
-            (f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY);
+        let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        let (mut velocity, mut acceleration) = (f64::INFINITY, f64::INFINITY);
         if matches!(kind, JointKind::Revolute | JointKind::Prismatic) {
             axis = self.unit_axis(node, name, axis, warnings)?;
             if joint.joint_type != urdf_rs::JointType::Continuous {
                 (lower, upper) = self.limits(node, name, joint)?;
+                (lower, upper) = self.soft_limits(node, name, (lower, upper), warnings)?;
             }
-            if joint.limit.velocity.is_nan() {
-                return Err(self.error(node, format!("joint `{name}`: velocity limit is NaN")));
-            }
-            if joint.limit.velocity > 0.0 {
-                velocity = joint.limit.velocity;
-            }
+            velocity = self.rate_limit(node, name, "velocity", warnings)?;
+            acceleration = self.rate_limit(node, name, "acceleration", warnings)?;
         }
         let mimic = joint.mimic.as_ref().map(|m| Mimic {
             source: m.joint.clone(),
@@ -187,6 +195,7 @@ impl Source<'_> {
             lower,
             upper,
             velocity,
+            acceleration,
             mimic,
         })
     }
@@ -338,6 +347,35 @@ mod tests {
         assert!(refusal("robot", "sdf").contains("root element"));
         let extra = "<link name=\"lost\"/></robot>";
         assert!(refusal("</robot>", extra).contains("no parent joint"));
+    }
+
+    #[test]
+    fn every_limit_of_the_file_is_used_or_named() {
+        let limit = "<limit lower=\"-1\" upper=\"1\" velocity=\"2\" effort=\"3\"/>";
+        let with = |to: &str| GOOD.replace(limit, to);
+        let model = parse(&with(
+            "<limit lower=\"-1\" upper=\"1\" velocity=\"2\" effort=\"3\" acceleration=\"1.5\"/>\
+             <safety_controller soft_lower_limit=\"-0.8\" soft_upper_limit=\"0.9\" k_velocity=\"1\"/>",
+        ))
+        .unwrap();
+        let joint = &model.joints[0];
+        assert_eq!((joint.lower, joint.upper), (-0.8, 0.9));
+        assert_eq!((joint.velocity, joint.acceleration), (2.0, 1.5));
+        assert!(model.warnings.join(" ").contains("soft limits"), "{:?}", model.warnings);
+        assert_eq!(parse(GOOD).unwrap().joints[0].acceleration, f64::INFINITY);
+        let zero = parse(&GOOD.replace("velocity=\"2\"", "velocity=\"0\"")).unwrap();
+        assert_eq!(zero.joints[0].velocity, f64::INFINITY);
+        assert!(zero.warnings.join(" ").contains("joint `a`: a velocity limit of 0"));
+        assert!(refusal("velocity=\"2\"", "velocity=\"-1\"").contains("is negative"));
+        assert!(refusal("velocity=\"2\"", "velocity=\"nan\"").contains("no number"));
+        assert!(refusal("xyz=\"1 0 0\"", "xyz=\"333 0 0\"").contains("millimetres?"));
+        for size in ["nan", "-1", "1e308", "inf"] {
+            let link = format!(
+                "<link name=\"arm\"><collision><geometry><sphere radius=\"{size}\"/></geometry>\
+                 </collision></link>"
+            );
+            assert!(refusal("<link name=\"arm\"/>", &link).contains("link `arm`"), "{size}");
+        }
     }
 
     #[test]

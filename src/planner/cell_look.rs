@@ -1,20 +1,31 @@
-//! A look at the cell without planning: who reaches start and goal, how near the robot comes to
-//! obstacles there, and what to draw.
+//! A look at the cell without planning: who reaches start, goal and the straight way between them,
+//! how near the robot comes to obstacles, what stands in the worker, and what to draw.
+//!
+//! Facts only; [`CellLook::findings`] says which of them are faults. The words are the command's.
 
+use super::cell_findings::{HangingFeet, Intrusion, OutsideBox};
 use super::evaluate::Person;
 use super::explain::setting;
 use super::result::{PosePicture, Setting};
 use crate::files::InputError;
 use crate::human::reach_gap;
-use crate::math::Pose;
-use crate::robot::{FollowSettings, min_clearance, start_postures};
-use crate::scenario::Scenario;
+use crate::path::{ProjectionSettings, shortest_duration_s};
+use crate::robot::{
+    Follow, FollowSettings, NoMotion, Starts, follow_from, min_clearance, start_postures,
+};
+use crate::scenario::{FacesAway, Freedom, Scenario};
+use crate::trajectory::minimum_jerk_line;
 use serde::Serialize;
 
-/// Start postures with which each end is tried.
+/// Start postures with which each end, and the straight way, is tried.
 const TRIES: usize = 16;
+/// Time steps of the straight way.
+const STEPS: usize = 60;
+/// How much longer than the shortest possible the straight minimum-jerk movement has to take at least:
+/// its peaks of speed and acceleration are higher.
+const SLOWER: f64 = 2.0;
 
-/// The cell as it would be at start and goal.
+/// The cell as it would be at start and goal, and on the straight way between them.
 #[derive(Debug, Clone, Serialize)]
 pub struct CellLook {
     /// Everything in words and numbers.
@@ -25,10 +36,27 @@ pub struct CellLook {
     pub base_m: [f64; 3],
     /// Floor point below the pelvis, m.
     pub worker_at_m: [f64; 2],
+    /// Ends of the movement that are outside the workspace.
+    pub outside: Vec<OutsideBox>,
+    /// Longest duration that the scenario allows, s.
+    pub duration_s: f64,
+    /// Shortest duration of the straight movement under the limits of the TCP, s; none where an end
+    /// is outside the workspace.
+    pub shortest_s: Option<f64>,
     /// Each body's hand at start and goal.
     pub hands: Vec<HandReach>,
+    /// Each body's hand along the straight way.
+    pub along: Vec<HandAlong>,
     /// The robot at start and goal.
     pub robot: [RobotReach; 2],
+    /// The robot along the straight way; none where it does not reach the start.
+    pub robot_along: Option<RobotAlong>,
+    /// Obstacles that stand in the worker.
+    pub intrusions: Vec<Intrusion>,
+    /// Seated bodies whose feet do not get to the floor.
+    pub hanging_feet: Vec<HangingFeet>,
+    /// The worker faces away from the task; said among the scenario's warnings.
+    pub away: Option<FacesAway>,
     /// Person (first body, mean posture moved on to the pose) and robot at start and goal.
     pub pictures: [PosePicture; 2],
 }
@@ -49,6 +77,23 @@ pub struct HandReach {
     pub gap_m: f64,
 }
 
+/// How a body's hand follows the straight way.
+#[derive(Debug, Clone, Serialize)]
+pub struct HandAlong {
+    /// Body.
+    pub body: String,
+    /// Repetitions that set out.
+    pub tries: usize,
+    /// Repetitions that follow to the goal.
+    pub followed: usize,
+    /// Share of the duration after which the first of the others is left behind.
+    pub lost_from: Option<f64>,
+    /// Share of the way that the training data do not support.
+    pub unsupported: f64,
+    /// Share of the start postures beyond the 99 % quantile of the training postures.
+    pub unusual_starts: f64,
+}
+
 /// Whether the robot gets to an end of the movement.
 #[derive(Debug, Clone, Serialize)]
 pub struct RobotReach {
@@ -61,45 +106,27 @@ pub struct RobotReach {
     /// Its angle from the orientation, rad.
     pub residual_rad: f64,
     /// Largest clearance that one of the postures has from obstacles, m; negative when all touch, none
-    /// without postures or obstacles.
+    /// without postures, obstacles or shapes.
     pub clearance_m: Option<f64>,
     /// What meets what there.
     pub nearest: Option<String>,
 }
 
-impl CellLook {
-    /// What keeps the movement from being possible at all, in sentences; empty if nothing was found.
-    pub fn faults(&self) -> Vec<String> {
-        let mut faults = Vec::new();
-        for r in &self.robot {
-            if r.postures == 0 {
-                faults.push(format!(
-                    "the robot does not reach the {}: the nearest posture is {:.0} mm and {:.1} deg off",
-                    r.end,
-                    1e3 * r.residual_m,
-                    r.residual_rad.to_degrees()
-                ));
-            }
-            if let (Some(clearance), Some(what)) = (r.clearance_m, &r.nearest)
-                && clearance <= 0.0
-            {
-                faults.push(format!("at the {} {what} touch in every posture found", r.end));
-            }
-        }
-        for h in self.hands.iter().filter(|h| h.reached == 0) {
-            let nearer = if h.gap_m > 1e-3 {
-                format!("it would have to be {:.0} mm nearer", 1e3 * h.gap_m)
-            } else {
-                "the place is within reach, but not with the grip turned like that".to_owned()
-            };
-            faults
-                .push(format!("the hand of `{}` does not get to the {}: {nearer}", h.body, h.end));
-        }
-        faults
-    }
+/// Whether the robot can follow the straight way, slowly enough for the limits of the TCP.
+#[derive(Debug, Clone, Serialize)]
+pub struct RobotAlong {
+    /// Why not, and after which share of the duration; none where it can.
+    pub stopped: Option<(NoMotion, f64)>,
+    /// Least clearance from obstacles where it can, m.
+    pub clearance_m: Option<f64>,
+    /// What meets what there.
+    pub nearest: Option<String>,
 }
 
 /// Looks at a scenario.
+///
+/// # Errors
+/// Where bodies and posture model do not fit together.
 pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
     let people = Person::all(scenario, None)?;
     let nominal = scenario.nominal();
@@ -119,7 +146,19 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
             });
         }
     }
-    let robot = ends.map(|(end, tcp)| robot_at(scenario, end, tcp));
+    let settings = FollowSettings {
+        seed: scenario.seed,
+        obstacles: scenario.obstacles.clone(),
+        ..FollowSettings::default()
+    };
+    let robot = ends.map(|(end, tcp)| {
+        let starts = start_postures(&scenario.robot, tcp, &settings);
+        let (reach, best) = robot_at(scenario, end, &starts);
+        (reach, best, starts)
+    });
+    let shortest_s = shortest(scenario);
+    let (along, robot_along) =
+        straight_way(scenario, &people, (&robot[0].2, &settings), shortest_s);
     let person = people.first();
     let pictures = [0, 1].map(|i| {
         let q = &robot[i].1;
@@ -139,16 +178,85 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
         workspace,
         base_m: scenario.robot.base.translation.vector.into(),
         worker_at_m: scenario.worker.at_m,
+        outside: OutsideBox::of(scenario),
+        duration_s: scenario.free.range(Freedom::Duration).map_or(scenario.duration_s, |r| r[1]),
+        shortest_s,
         hands,
-        robot: robot.map(|(reach, _)| reach),
+        along,
+        intrusions: people.iter().flat_map(|p| Intrusion::of(scenario, p)).collect(),
+        hanging_feet: HangingFeet::of(scenario)?,
+        away: scenario.faces_away(),
+        robot: robot.map(|(reach, ..)| reach),
+        robot_along,
         pictures,
     })
 }
 
+/// Shortest duration of the straight movement, s.
+fn shortest(scenario: &Scenario) -> Option<f64> {
+    let settings = ProjectionSettings { steps: STEPS, ..ProjectionSettings::default() };
+    shortest_duration_s(&scenario.start, &scenario.goal, &scenario.limits, &settings)
+}
+
+/// People and robot along the straight way, no quicker than the limits of the TCP allow.
+fn straight_way(
+    scenario: &Scenario,
+    people: &[Person],
+    (starts, settings): (&Starts, &FollowSettings),
+    shortest_s: Option<f64>,
+) -> (Vec<HandAlong>, Option<RobotAlong>) {
+    let nominal = scenario.nominal();
+    let duration_s = nominal.duration_s.max(SLOWER * shortest_s.unwrap_or(0.0));
+    let path = minimum_jerk_line(&nominal.start, &nominal.goal, duration_s, STEPS);
+    let Ok(path) = path else { return (Vec::new(), None) };
+    let along = people.iter().map(|person| {
+        let walks = person.walk(&path, &nominal, (scenario.seed, 0), 0..TRIES);
+        let lost: Vec<usize> =
+            walks.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
+        let unusual = walks.all.iter().filter(|w| w.start.is_unusual).count();
+        HandAlong {
+            body: person.name.clone(),
+            tries: TRIES,
+            followed: TRIES - lost.len(),
+            lost_from: lost.iter().min().map(|k| *k as f64 / STEPS as f64),
+            unsupported: walks.extrapolation_share,
+            unusual_starts: unusual as f64 / TRIES as f64,
+        }
+    });
+    let robot = (!starts.postures.is_empty()).then(|| {
+        let follow = |s: &FollowSettings| {
+            follow_from(&scenario.robot, &path.time_s, &path.poses, &starts.postures, s)
+        };
+        let followed = match follow(settings) {
+            Follow::Infeasible { .. } => {
+                follow(&FollowSettings { is_thorough: true, ..settings.clone() })
+            }
+            done @ Follow::Feasible(_) => done,
+        };
+        match followed {
+            Follow::Feasible(motion) => RobotAlong {
+                stopped: None,
+                clearance_m: motion.obstacle_nearest.as_ref().map(|n| n.distance_m),
+                nearest: motion
+                    .obstacle_nearest
+                    .map(|n| format!("link `{}` and obstacle `{}`", n.link, n.obstacle)),
+            },
+            Follow::Infeasible { why } => RobotAlong {
+                stopped: Some((why.clone(), why.time_s() / duration_s)),
+                clearance_m: None,
+                nearest: None,
+            },
+        }
+    });
+    (along.collect(), robot)
+}
+
 /// The robot at one end, and its posture there with the most room.
-fn robot_at(scenario: &Scenario, end: &'static str, tcp: &Pose) -> (RobotReach, Option<Vec<f64>>) {
-    let settings = FollowSettings { seed: scenario.seed, ..FollowSettings::default() };
-    let starts = start_postures(&scenario.robot, tcp, &settings);
+fn robot_at(
+    scenario: &Scenario,
+    end: &'static str,
+    starts: &Starts,
+) -> (RobotReach, Option<Vec<f64>>) {
     let room = |q: &Vec<f64>| min_clearance(&scenario.robot, q, &scenario.obstacles);
     let distance = |q: &Vec<f64>| room(q).map_or(f64::INFINITY, |n| n.distance_m);
     // The first of equals, so that the choice depends on nothing else.

@@ -9,10 +9,10 @@ use crate::ergonomics::{
     rula_step_shares, score_distribution, threshold_sensitivity,
 };
 use crate::files::InputError;
-use crate::human::{Body, BodyPart, Envelope};
-use crate::math::Pose;
+use crate::human::{Body, BodyPart, Envelope, EnvelopeScratch};
 use crate::math::stats::mean;
 use crate::math::stream::{Purpose, stream};
+use crate::math::{Pose, Vec3};
 use crate::posture::{
     Behaviour, Coupling, FunctionDraw, HandPath, PostureLaw, Rollout, Sampler, Sampling, Start,
     StartRule, roll_out, start_postures,
@@ -126,6 +126,29 @@ impl<'a> Person<'a> {
         (arm, variant): (&ArmAlong, &Variant),
     ) -> Vec<Option<Closest>> {
         arm.closest(walks, people, (&self.envelope, &self.pelvis(variant)))
+    }
+
+    /// Ends of the capsules' axes (world, m) with the mean posture moved on to a TCP pose; none where the
+    /// hand does not get there.
+    pub(super) fn placed_at(&self, tcp: &Pose, variant: &Variant) -> Option<Vec<[Vec3; 2]>> {
+        let pelvis = self.pelvis(variant);
+        let hand = pelvis.inverse() * tcp * variant.grip;
+        let postures = &self.scenario.worker.model.postures;
+        let rule = StartRule::Mean;
+        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..1);
+        let q = starts.into_iter().next()?.q?;
+        Some(self.placed(&pelvis, q.as_slice()))
+    }
+
+    /// The same with all joints of the coupled chain at zero.
+    pub(super) fn placed_upright(&self, variant: &Variant) -> Vec<[Vec3; 2]> {
+        self.placed(&self.pelvis(variant), &vec![0.0; self.coupling.dof()])
+    }
+
+    fn placed(&self, pelvis: &Pose, q: &[f64]) -> Vec<[Vec3; 2]> {
+        let mut ends = Vec::new();
+        self.envelope.place(pelvis, q, &mut EnvelopeScratch::default(), &mut ends);
+        ends
     }
 
     /// The capsules of the body.

@@ -198,10 +198,12 @@ pub(super) fn select(
     Ok(order.into_iter().map(|i| pool[i].clone()).collect())
 }
 
-/// By the objective.
+/// By the objective; paths that begin or end elsewhere come after those that they cannot be compared
+/// with.
 fn by_value(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
     let of = |f: &Finalist| f.value.unwrap_or(f64::INFINITY);
-    of(a).total_cmp(&of(b))
+    let is_elsewhere = |f: &Finalist| f.prepared.ends.is_some();
+    is_elsewhere(a).cmp(&is_elsewhere(b)).then(of(a).total_cmp(&of(b)))
 }
 
 /// The same, those that cannot be the best last.
@@ -268,13 +270,13 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             vias_m: vias.into_iter().map(Into::into).collect(),
             chosen,
             bend: None,
-            other_ends: None,
             timing: None,
             bought: Vec::new(),
             objective: (t.people > 0).then_some(t.value),
             bodies: Vec::new(),
             path: None,
             poses: Vec::new(),
+            ends: None,
         }
     };
     tried.par_iter().map(result).collect()

@@ -4,6 +4,7 @@
 use super::result::MethodScores;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::robot::NotChecked;
+use crate::scenario::EndMismatch;
 use serde::{Deserialize, Serialize};
 
 /// How much a finding should weigh with the reader.
@@ -146,10 +147,8 @@ pub enum Finding {
     OtherEnds {
         /// The path.
         path: String,
-        /// Off at the start: m, rad.
-        start: [f64; 2],
-        /// Off at the goal: m, rad.
-        goal: [f64; 2],
+        /// How far off.
+        off: EndMismatch,
     },
 }
 

@@ -221,7 +221,7 @@ fn run(
         }
         // What joins other ends is compared with nothing.
         let rank = ranked + 1;
-        if result.other_ends.is_none() {
+        if result.ends.is_none() {
             ranked = rank;
             result.rank = Some(rank);
         }
@@ -370,13 +370,13 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         vias_m: prepared.vias_m.clone(),
         chosen: Vec::new(),
         bend: None,
-        other_ends: None,
         timing: None,
         bought: Vec::new(),
         objective: None,
         bodies: Vec::new(),
         path: None,
         poses: Vec::new(),
+        ends: prepared.ends,
     }
 }
 

@@ -16,7 +16,7 @@ use crate::robot::{
     Follow, FollowSettings, JointMargin, JointTrajectory, Nearest, NoMotion, Robot, RobotMotion,
     Starts, check_joint_path, follow_from, measure_room, start_postures,
 };
-use crate::scenario::{Scenario, UserPath, Variant};
+use crate::scenario::{EndMismatch, Scenario, UserPath, Variant};
 use crate::trajectory::TimedPath;
 
 /// Distance to obstacles below which a path is refused, m.
@@ -45,6 +45,8 @@ pub(super) struct Prepared {
     pub changes: Vec<Change>,
     /// Given by the user: kept and marked rather than refused.
     pub is_users: bool,
+    /// The user's own, from somewhere else or to somewhere else than the others: compared with none.
+    pub ends: Option<EndMismatch>,
 }
 
 /// What all candidates of a scenario share.
@@ -123,6 +125,7 @@ impl<'a> Workshop<'a> {
             severity: 0.0,
             changes: Vec::new(),
             is_users: false,
+            ends: None,
         };
         let s = self.scenario;
         let reference = reference_path(
@@ -222,6 +225,7 @@ impl<'a> Workshop<'a> {
             severity: 0.0,
             changes: Vec::new(),
             is_users: true,
+            ends: s.end_mismatch(&user.path),
         };
         let step = s.duration_s / self.preset.steps as f64;
         // A whole number of steps over the path's own duration.

@@ -17,7 +17,7 @@ use crate::posture::{Hold, MethodQuality};
 use crate::robot::{
     JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
 };
-use crate::scenario::{Chosen, Origin, OtherArm, Task};
+use crate::scenario::{Chosen, EndMismatch, Origin, OtherArm, Task};
 use crate::survey::NeckRule;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -190,10 +190,6 @@ pub struct CandidateResult {
     pub chosen: Vec<Chosen>,
     /// Where it departs most from the straight line; none without a path.
     pub bend: Option<Bend>,
-    /// Where the user's own path begins and ends elsewhere than the scenario asks: how far off at the
-    /// start and at the goal, m and rad. It is compared with nothing.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub other_ends: Option<[[f64; 2]; 2]>,
     /// How its timing differs from that of the straight path; none without one.
     pub timing: Option<TimingDifference>,
     /// Why a path with a lower objective than the best is not the best.
@@ -207,6 +203,10 @@ pub struct CandidateResult {
     pub path: Option<PathData>,
     /// Pictures of the mean posture; only for paths of the selection.
     pub poses: Vec<PosePicture>,
+    /// The user's own, and not from the scenario's start to its goal: scored, but compared with no
+    /// other and neither best nor worst.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends: Option<EndMismatch>,
 }
 
 /// Where a path departs most from the straight line between its ends, as the worker sees it, m.

@@ -19,6 +19,9 @@ const EXPERT_PULL_M: f64 = 0.10;
 /// Farthest that a freedom's number is put when a scenario's own value lies at an end of its range.
 const FARTHEST: f64 = 2.0;
 
+/// A bend that is none, m: what `sampled_offset_m = 0` becomes.
+const STRAIGHT_M: f64 = 1e-6;
+
 /// A path with everything that was chosen for it.
 #[derive(Debug, Clone)]
 pub(super) struct Choice {
@@ -31,6 +34,7 @@ pub(super) struct Choice {
 pub(super) struct Space<'a> {
     scenario: &'a Scenario,
     vias: usize,
+    /// Never 0, which would be no space; with [`STRAIGHT_M`] every path is the straight one.
     offset_rms_m: f64,
     named_offset_m: f64,
     /// Whether this search may bend the path; else it keeps to the straight line.
@@ -49,7 +53,7 @@ impl<'a> Space<'a> {
         Self {
             scenario,
             vias: preset.vias,
-            offset_rms_m: preset.sampled_offset_m,
+            offset_rms_m: preset.sampled_offset_m.max(STRAIGHT_M),
             named_offset_m: preset.named_offset_m,
             has_route: true,
             pace: scenario.free.pace_spread,
@@ -172,7 +176,7 @@ impl<'a> Space<'a> {
     /// Search variables of the named families, the straight path first; freedoms in mid-range.
     pub(super) fn seeds(&self) -> Vec<Vec<f64>> {
         let middle = vec![0.0; self.dimension()];
-        if !self.has_route {
+        if !self.has_route || self.offset_rms_m <= STRAIGHT_M {
             return vec![middle];
         }
         let Some(nominal) = self.decode("", &middle) else { return Vec::new() };

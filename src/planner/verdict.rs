@@ -33,7 +33,7 @@ pub(super) fn is_eligible(c: &CandidateResult) -> bool {
     c.status == Status::Feasible
         && c.evaluated == Evaluated::Reported
         && c.bought.is_empty()
-        && c.other_ends.is_none()
+        && c.ends.is_none()
         && is_timed_alike
 }
 
@@ -62,10 +62,10 @@ pub(super) fn comparisons(
     candidates: &[CandidateResult],
     lead: Option<&CandidateResult>,
 ) -> Vec<Comparison> {
-    let Some(best) = lead.filter(|l| l.other_ends.is_none()) else { return Vec::new() };
-    let others = candidates.iter().filter(|c| {
-        c.id != best.id && c.evaluated == Evaluated::Reported && c.other_ends.is_none()
-    });
+    let Some(best) = lead.filter(|l| l.ends.is_none()) else { return Vec::new() };
+    let others = candidates
+        .iter()
+        .filter(|c| c.id != best.id && c.evaluated == Evaluated::Reported && c.ends.is_none());
     let mut all = Vec::new();
     for other in others {
         let paths = best.path.as_ref().zip(other.path.as_ref());
@@ -162,7 +162,7 @@ fn gain(candidates: &[CandidateResult], lead: &CandidateResult, body: &BodyScore
     });
     // Of a path with another timing only what is free to choose may be called its gain.
     let is_fair = is_timed || lead.timing.is_some_and(|t| t.is_same());
-    (lead.family != Family::Straight && lead.other_ends.is_none() && is_fair)
+    (lead.family != Family::Straight && lead.ends.is_none() && is_fair)
         .then(|| Gain { body: body.body.clone(), scores })
 }
 
@@ -248,8 +248,8 @@ impl Known<'_> {
         let mut found = Vec::new();
         for c in self.candidates {
             let path = c.id.clone();
-            if let Some([start, goal]) = c.other_ends {
-                found.push(Finding::OtherEnds { path: path.clone(), start, goal });
+            if let Some(off) = c.ends {
+                found.push(Finding::OtherEnds { path: path.clone(), off });
             }
             if matches!(c.status, Status::Marked { .. }) {
                 found.push(Finding::BreaksLimits { path });
@@ -336,9 +336,10 @@ impl Known<'_> {
             scores.distribution.p_at_least.get(usize::from(ScoringMethod::Rula.high())).copied()
         };
         let here = of_body(self.lead)?;
-        let others = self.candidates.iter().filter(|c| {
-            c.status == Status::Feasible && c.id != self.lead.id && c.other_ends.is_none()
-        });
+        let others = self
+            .candidates
+            .iter()
+            .filter(|c| c.status == Status::Feasible && c.id != self.lead.id && c.ends.is_none());
         let shares = others.filter_map(|c| Some((c, of_body(c)?)));
         let (fewest, there) = shares.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let path = fewest.id.clone();

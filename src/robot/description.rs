@@ -13,6 +13,10 @@ use std::path::{Path, PathBuf};
 /// Stand-ins where a file gives no limit: turning joints (rad), sliding joints (m).
 const STAND_IN_VELOCITY: (f64, f64) = (PI / 2.0, 0.25);
 const STAND_IN_ACCELERATION: (f64, f64) = (PI, 1.0);
+/// Turns of a joint with ends (rad), way of a slide (m) and speed (rad/s or m/s) that no robot arm has.
+const MOST_TURNED: f64 = 8.0 * PI;
+const FARTHEST_SLIDE_M: f64 = 50.0;
+const FASTEST: f64 = 100.0;
 
 /// Something about a robot that is a stand-in or from memory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -140,8 +144,8 @@ impl Robot {
 
     /// Reads a URDF file; `base` and `tcp` are names of links, `base` above `tcp`.
     ///
-    /// The robot stands in the world's origin. URDF holds no acceleration limits: they are
-    /// stand-ins until set, as is a missing velocity limit.
+    /// The robot stands in the world's origin. Limits of velocity and acceleration that the file does
+    /// not give are stand-ins until set.
     pub fn from_urdf(path: &Path, base: &str, tcp: &str) -> Result<Self, InputError> {
         Self::from_text(path, &read_text(path)?, base, tcp)
     }
@@ -168,6 +172,7 @@ impl Robot {
             )
             .remedy("base is the link that stands still, tcp the tool at the other end"));
         }
+        check_limits(path, &linkage)?;
         let (skeleton, parts) = super::body::parts(&model, base, tcp).map_err(wrong)?;
         let held = skeleton.joints()[linkage.dof()..].iter();
         let held = held.map(|j| 0.0f64.max(j.lower).min(j.upper)).collect();
@@ -284,6 +289,46 @@ impl Robot {
     }
 }
 
+/// Limits of the chain that no robot has: a joint that cannot move, or degrees.
+fn check_limits(path: &Path, linkage: &Linkage) -> Result<(), InputError> {
+    for j in linkage.joints() {
+        let (name, lower, upper) = (&j.name, j.lower, j.upper);
+        if lower >= upper {
+            let message = format!("joint `{name}` cannot move: its limits are {lower} and {upper}");
+            return Err(InputError::new(path, message).remedy(
+                "give its lower and upper limit, or make it type=\"fixed\" if it does not move",
+            ));
+        }
+        let most = |v: f64| if v.is_finite() { v.abs() } else { 0.0 };
+        let farthest = most(lower).max(most(upper));
+        if !j.is_prismatic && farthest > MOST_TURNED {
+            let message = format!(
+                "joint `{name}`: limits {lower} to {upper} rad are {:.0} turns. Are they in degrees?",
+                farthest / (2.0 * PI)
+            );
+            return Err(InputError::new(path, message).remedy(
+                "give limits in radians, or type=\"continuous\" for a joint that turns without end",
+            ));
+        }
+        if j.is_prismatic && farthest > FARTHEST_SLIDE_M {
+            let message = format!(
+                "joint `{name}`: limits {lower} to {upper} m are longer than any slide. Are they in \
+                 millimetres?"
+            );
+            return Err(InputError::new(path, message).remedy("give limits in metres"));
+        }
+        if j.velocity.is_finite() && j.velocity > FASTEST {
+            let message = format!(
+                "joint `{name}`: velocity limit {} is faster than any robot. Is it in degrees or \
+                 millimetres a second?",
+                j.velocity
+            );
+            return Err(InputError::new(path, message).remedy("give it in rad/s or m/s"));
+        }
+    }
+    Ok(())
+}
+
 fn limits_of(linkage: &Linkage) -> Limits {
     let joints = linkage.joints();
     let pick = |pair: (f64, f64), is_prismatic: bool| if is_prismatic { pair.1 } else { pair.0 };
@@ -297,9 +342,15 @@ fn limits_of(linkage: &Linkage) -> Limits {
                 if j.velocity.is_finite() { j.velocity } else { stand_in }
             })
             .collect(),
-        acceleration: joints.iter().map(|j| pick(STAND_IN_ACCELERATION, j.is_prismatic)).collect(),
+        acceleration: joints
+            .iter()
+            .map(|j| {
+                let stand_in = pick(STAND_IN_ACCELERATION, j.is_prismatic);
+                if j.acceleration.is_finite() { j.acceleration } else { stand_in }
+            })
+            .collect(),
         velocity_assumed: joints.iter().map(|j| !j.velocity.is_finite()).collect(),
-        acceleration_assumed: vec![true; joints.len()],
+        acceleration_assumed: joints.iter().map(|j| !j.acceleration.is_finite()).collect(),
         brakes: vec![None; joints.len()],
     }
 }
@@ -354,6 +405,31 @@ mod tests {
         assert_eq!(error.help().unwrap().to_string(), "did you mean `elbow_joint`?");
         assert!(robot.set_velocity_limit("elbow_joint", f64::NAN).is_err());
         assert!(robot.set_position_limit("elbow_joint", 1.0, f64::NAN).is_err());
+    }
+
+    #[test]
+    fn limits_that_no_robot_has_are_asked_about() {
+        let robot = |kind: &str, limit: &str| {
+            let text = format!(
+                r#"<robot name="one"><link name="base"/><link name="arm"/>
+                <joint name="turn" type="{kind}"><parent link="base"/><child link="arm"/>
+                <axis xyz="0 0 1"/><limit effort="1" {limit}/></joint></robot>"#
+            );
+            Robot::from_text(Path::new("one.urdf"), &text, "base", "arm")
+        };
+        let refused = |kind: &str, limit: &str| robot(kind, limit).unwrap_err().to_string();
+        let degrees = refused("revolute", r#"lower="-170" upper="170" velocity="2""#);
+        assert!(degrees.contains("`turn`") && degrees.contains("in degrees?"), "{degrees}");
+        assert!(refused("revolute", r#"lower="-100" upper="1" velocity="2""#).contains("degrees?"));
+        assert!(refused("revolute", r#"lower="0" upper="0" velocity="2""#).contains("cannot move"));
+        assert!(refused("revolute", r#"lower="-1" upper="1" velocity="180""#).contains("faster"));
+        assert!(refused("prismatic", r#"lower="0" upper="800" velocity="1""#).contains("millim"));
+        let good = r#"lower="-6.4" upper="6.4" velocity="3" acceleration="5""#;
+        let good = robot("revolute", good).unwrap();
+        assert_eq!(
+            (good.limits.acceleration[0], good.limits.acceleration_assumed[0]),
+            (5.0, false)
+        );
     }
 
     #[test]

@@ -4,12 +4,18 @@
 //! at rest. Controllers join positions, velocities and accelerations of neighbouring points by quintic
 //! polynomials; [`JointTrajectory::check`] looks at those, ten times as finely as the points.
 
+mod message;
+
 use super::Robot;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Looks between two points.
 const FINER: usize = 10;
+/// How much faster than the mean pace beside a point its velocity may be, and what always may be,
+/// rad/s or m/s: a spline overshoots by half, a sensor is noisy.
+const FASTER: f64 = 3.0;
+const SLACK: f64 = 0.1;
 
 /// Names in this struct are those of the ROS message.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,6 +73,19 @@ pub struct Point {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct TrajectoryFault(String);
+
+/// A velocity of a trajectory that its positions contradict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OddVelocity {
+    /// Index of the point.
+    pub point: usize,
+    /// The joint.
+    pub joint: String,
+    /// As given, rad/s or m/s.
+    pub given: f64,
+    /// The nearest that the positions before and after allow, rad/s or m/s.
+    pub moved: f64,
+}
 
 /// How near a trajectory comes to one joint's limits between its points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -126,6 +145,32 @@ impl JointTrajectory {
         Self { header: Header::default(), joint_names, points }
     }
 
+    /// The first velocity that cannot belong to the positions: of another sign, or more than three
+    /// times as fast as the positions move on both sides of the point. Rests at points are no
+    /// contradiction.
+    pub fn odd_velocity(&self) -> Option<OddVelocity> {
+        let time = |k: usize| self.points[k].time_from_start.seconds();
+        let pace = |k: usize, j: usize| {
+            let (a, b) = (self.points[k].positions.get(j)?, self.points[k + 1].positions.get(j)?);
+            let step = time(k + 1) - time(k);
+            (step > 0.0).then(|| (b - a) / step)
+        };
+        for (point, p) in self.points.iter().enumerate() {
+            for (j, (&given, joint)) in p.velocities.iter().zip(&self.joint_names).enumerate() {
+                let before = point.checked_sub(1).and_then(|k| pace(k, j));
+                let after = (point + 1 < self.points.len()).then(|| pace(point, j)).flatten();
+                let (Some(a), Some(b)) = (before.or(after), after.or(before)) else { continue };
+                let (low, high) = (a.min(b).min(0.0), a.max(b).max(0.0));
+                let (least, most) = (FASTER * low - SLACK, FASTER * high + SLACK);
+                if !(least..=most).contains(&given) {
+                    let moved = if given > 0.0 { high } else { low };
+                    return Some(OddVelocity { point, joint: joint.clone(), given, moved });
+                }
+            }
+        }
+        None
+    }
+
     /// Times (s) and postures in the order of a robot's joints.
     ///
     /// # Errors
@@ -150,8 +195,26 @@ impl JointTrajectory {
             if have != want {
                 return fault(format!("point {} has {have} positions for {want} joints", k + 1));
             }
-            if point.positions.iter().any(|q| !q.is_finite()) {
-                return fault(format!("point {} holds a position that is not finite", k + 1));
+            let kinds = [
+                ("position", &point.positions),
+                ("velocity", &point.velocities),
+                ("acceleration", &point.accelerations),
+            ];
+            for (what, values) in kinds {
+                if !values.is_empty() && values.len() != want {
+                    let have = values.len();
+                    return fault(format!(
+                        "point {}: {have} values of {what} for {want} joints",
+                        k + 1
+                    ));
+                }
+                if let Some(j) = values.iter().position(|v| !v.is_finite()) {
+                    let (joint, value) = (&self.joint_names[j], values[j]);
+                    return fault(format!(
+                        "point {}, joint `{joint}`: the {what} is {value}, not a finite number",
+                        k + 1
+                    ));
+                }
             }
             rows.push(order.iter().map(|&i| point.positions[i]).collect());
         }
@@ -348,8 +411,52 @@ mod tests {
         let (times, rows) = made.postures(&robot).unwrap();
         assert_eq!(times, [0.0, 0.1, 0.25]);
         assert_eq!(rows[1][0], q[1][q[1].len() - 1]);
+        // As `ros2 topic echo` and MoveIt write it.
+        for text in [
+            format!("{yaml}---\n"),
+            format!("---\n{yaml}"),
+            format!("{{\"joint_trajectory\": {json}, \"multi_dof_joint_trajectory\": {{}}}}"),
+            format!("{{\"trajectory\": [{{\"joint_trajectory\": {json}}}]}}"),
+            format!("{{\"goal\": {{\"trajectory\": {json}}}}}"),
+        ] {
+            let is_json = text.starts_with('{');
+            assert_eq!(JointTrajectory::from_text(&text, is_json).unwrap(), made, "{text}");
+        }
+        let refused = |text: &str, is_json| {
+            JointTrajectory::from_text(text, is_json).unwrap_err().to_string()
+        };
+        assert!(refused(&format!("{yaml}---\n{yaml}---\n"), false).contains("holds 2 messages"));
+        let two = format!("{{\"trajectory\": [{{\"joint_trajectory\": {json}}}, {{}}]}}");
+        assert!(refused(&two, true).contains("of 2 parts"));
+        assert!(refused("a: 1\n", false).contains("no `joint_names` with `points`"));
+        assert!(refused("---\n", false).contains("empty"));
         let mut short = made.clone();
         short.joint_names[0] = "other".to_owned();
         assert!(short.postures(&robot).unwrap_err().to_string().contains("is missing"));
+    }
+
+    #[test]
+    fn velocities_that_are_not_those_of_the_positions_are_found() {
+        let made = sampled(20);
+        assert_eq!(made.odd_velocity(), None);
+        // Resting at every point is a way to go, too.
+        let mut rests = made.clone();
+        rests.points.iter_mut().for_each(|p| p.velocities = vec![0.0]);
+        assert_eq!(rests.odd_velocity(), None);
+        for (factor, given) in [(-1.0, -0.9375), (10.0, 9.375)] {
+            let mut odd = made.clone();
+            odd.points[10].velocities[0] *= factor;
+            let found = odd.odd_velocity().unwrap();
+            assert_eq!((found.point, found.joint.as_str()), (10, "a"));
+            assert_relative_eq!(found.given, given, epsilon = 1e-3);
+            assert!(found.moved >= 0.0 && found.moved < 1.0, "{found:?}");
+        }
+        let robot = Robot::preset("panda").unwrap();
+        let names: Vec<String> = robot.joint_names().map(str::to_owned).collect();
+        let still = vec![vec![0.1; names.len()]; 3];
+        let mut broken = JointTrajectory::through(names, &[0.0, 1.0, 2.0], &still);
+        broken.points[1].velocities[2] = f64::NAN;
+        let words = broken.postures(&robot).unwrap_err().to_string();
+        assert!(words.contains("point 2, joint `panda_joint3`: the velocity is NaN"), "{words}");
     }
 }

@@ -1,12 +1,20 @@
 //! Robot, grip, limits and obstacles of the cell.
 
-use super::file::{GripFile, LimitsFile, ObstacleFile, PoseFile, RobotFile, WorkspaceFile};
+use super::file::{
+    GripFile, JointLimitFile, LimitsFile, ObstacleFile, PoseFile, RobotFile, WorkspaceFile,
+};
+use super::plausible::name_fault;
 use super::source::Source;
 use crate::files::InputError;
 use crate::math::{Pose, Vec3};
 use crate::path::{Box3, PathLimits};
 use crate::robot::{Obstacle, Robot};
 use toml::Spanned;
+
+/// Remedy for a name.
+pub(super) const NAME: &str = "use a short name of letters, digits, spaces, `-` and `_`";
+/// Smallest size of an obstacle, m: a wire.
+const SMALLEST_M: f64 = 1e-3;
 
 pub(super) fn resolve_grip(source: &Source, file: &GripFile) -> Result<Pose, InputError> {
     let pose = PoseFile {
@@ -19,14 +27,25 @@ pub(super) fn resolve_grip(source: &Source, file: &GripFile) -> Result<Pose, Inp
 
 pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, InputError> {
     let mut robot = match (&file.preset, &file.urdf) {
-        (Some(preset), None) => Robot::preset(preset)?,
+        (Some(preset), None) => {
+            for (key, other) in [("base_link", &file.base_link), ("tcp", &file.tcp)] {
+                if other.is_some() {
+                    let message = format!("robot.preset and robot.{key} are both given");
+                    return Err(source
+                        .error(preset, message)
+                        .remedy("a preset has its own links: remove one of the two"));
+                }
+            }
+            Robot::preset(preset.get_ref()).map_err(|e| source.named(preset, "robot.preset", e))?
+        }
         (None, Some(urdf)) => {
             let (Some(base), Some(tcp)) = (&file.base_link, &file.tcp) else {
                 return Err(source
-                    .plain("robot.urdf needs robot.base_link and robot.tcp")
+                    .error(urdf, "robot.urdf needs robot.base_link and robot.tcp")
                     .remedy("name the first and the last link of the robot's chain"));
             };
-            Robot::from_urdf(&source.folder.join(urdf), base, tcp)?
+            Robot::from_urdf(&source.folder.join(urdf.get_ref()), base, tcp)
+                .map_err(|e| source.named(urdf, "robot.urdf", e))?
         }
         _ => {
             return Err(source
@@ -35,22 +54,33 @@ pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, 
         }
     };
     robot.base = source.pose(&file.base, "robot.base")?;
-    for limit in &file.limit {
-        let joint = &limit.joint;
-        if limit.lower_rad.is_some() || limit.upper_rad.is_some() {
-            let i = robot.joint_index(joint)?;
-            let lower = limit.lower_rad.unwrap_or(robot.limits.lower[i]);
-            let upper = limit.upper_rad.unwrap_or(robot.limits.upper[i]);
-            robot.set_position_limit(joint, lower, upper)?;
+    for (i, at) in file.limit.iter().enumerate() {
+        if file.limit[..i].iter().any(|l| l.get_ref().joint == at.get_ref().joint) {
+            let message = format!("joint `{}` has two [[robot.limit]]", at.get_ref().joint);
+            return Err(source.error(at, message).remedy("keep one, with all its limits"));
         }
-        if let Some(v) = limit.velocity_rad_s {
-            robot.set_velocity_limit(joint, v)?;
-        }
-        if let Some(a) = limit.acceleration_rad_s2 {
-            robot.set_acceleration_limit(joint, a)?;
-        }
+        set_limit(&mut robot, at.get_ref())
+            .map_err(|e| e.named_in(source.path, "robot.limit", source.text, at.span()))?;
     }
     Ok(robot)
+}
+
+/// Another limit of one joint.
+fn set_limit(robot: &mut Robot, limit: &JointLimitFile) -> Result<(), InputError> {
+    let joint = &limit.joint;
+    if limit.lower_rad.is_some() || limit.upper_rad.is_some() {
+        let i = robot.joint_index(joint)?;
+        let lower = limit.lower_rad.unwrap_or(robot.limits.lower[i]);
+        let upper = limit.upper_rad.unwrap_or(robot.limits.upper[i]);
+        robot.set_position_limit(joint, lower, upper)?;
+    }
+    if let Some(v) = limit.velocity_rad_s {
+        robot.set_velocity_limit(joint, v)?;
+    }
+    if let Some(a) = limit.acceleration_rad_s2 {
+        robot.set_acceleration_limit(joint, a)?;
+    }
+    Ok(())
 }
 
 pub(super) fn resolve_limits(
@@ -169,15 +199,27 @@ pub(super) fn resolve_obstacle(
 ) -> Result<(String, Obstacle), InputError> {
     let pose = |position: &[f64; 3], rpy: &[f64; 3], name: &str| {
         let file = PoseFile { position_m: *position, rpy_deg: Some(*rpy), quaternion_wxyz: None };
-        source.pose_of(&file, &format!("obstacle `{name}`"))
+        let pose = source.pose_of(&file, &format!("obstacle `{name}`"));
+        pose.map_err(|e| source.at(at, e))
     };
     let positive = |values: &[f64], name: &str| {
-        if values.iter().all(|v| *v > 0.0 && *v < 100.0) {
+        if values.iter().all(|v| (SMALLEST_M..100.0).contains(v)) {
             return Ok(());
         }
-        Err(source
-            .error(at, format!("obstacle `{name}`: sizes must be above 0 m, found {values:?}")))
+        let message = format!(
+            "obstacle `{name}`: sizes must be {SMALLEST_M} m or more and below 100 m, found {values:?}"
+        );
+        Err(source.error(at, message).remedy("give whole widths, lengths and radii in metres"))
     };
+    let name = match at.get_ref() {
+        ObstacleFile::Box { name, .. }
+        | ObstacleFile::Sphere { name, .. }
+        | ObstacleFile::Capsule { name, .. }
+        | ObstacleFile::Cylinder { name, .. } => name,
+    };
+    if let Some(fault) = name_fault(name) {
+        return Err(source.error(at, format!("the name of an obstacle {fault}")).remedy(NAME));
+    }
     Ok(match at.get_ref() {
         ObstacleFile::Box { name, position_m, rpy_deg, size_m } => {
             positive(size_m, name)?;

@@ -2,25 +2,40 @@
 
 use super::SCENARIO_SCHEMA;
 use super::cell::{
-    PersonMargin, resolve_grip, resolve_limits, resolve_obstacle, resolve_person_margin,
+    NAME, PersonMargin, resolve_grip, resolve_limits, resolve_obstacle, resolve_person_margin,
     resolve_robot,
 };
-use super::file::{ScenarioFile, TaskFile};
-use super::freedom::{Freedoms, resolve_free};
+use super::file::{ObstacleFile, PathFile, ScenarioFile, TaskFile};
+use super::freedom::{Freedom, Freedoms, resolve_free};
 use super::paths::{UserPath, read_user_path};
+use super::plausible::{self, Doubt, LONGEST_S, name_fault, path_name_fault};
 use super::source::Source;
 use super::task::Task;
 use super::worker::{Worker, resolve_worker};
 use crate::ergonomics::Profile;
 use crate::files::{InputError, suggest};
+use crate::human::Stance;
 use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, PathLimits, drawn};
 use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
+use serde::Serialize;
+use std::fmt;
 use toml::Spanned;
 
 /// Angle between the worker's facing and the task from which it is told.
 const MOST_TURNED_DEG: f64 = 60.0;
+/// Distance of the task from the worker's axis below which it has no direction, m.
+const LEAST_AHEAD_M: f64 = 0.1;
+/// What all cycles of a minute may take together; a hair more for rounding, s.
+const MOST_OF_A_MINUTE_S: f64 = 60.0 + 1e-6;
+/// Places between floor (or seat) and hip where nothing solid may be.
+const AXIS_LOOKS: i32 = 20;
+/// Way and turn below which goal and start are one.
+const LEAST_WAY_M: f64 = 1e-3;
+const LEAST_TURN_DEG: f64 = 0.5;
+/// Characters of a name that cannot be used which are shown.
+const SHOWN_OF_NAME: usize = 30;
 
 /// A workstation, resolved.
 #[derive(Debug, Clone)]
@@ -86,31 +101,16 @@ pub(super) fn resolve(
     let (limits, mut assumed_limits) =
         resolve_limits(source, &file.limits, file.workspace.as_ref())?;
     let person_margin = resolve_person_margin(source, &file.limits, &mut assumed_limits)?;
-    let duration_s = source.number(&file.motion.duration_s, "motion.duration_s", 0.05, 600.0)?;
+    if let Some(fault) = name_fault(file.name.get_ref()) {
+        return Err(source.error(&file.name, format!("the scenario's name {fault}")).remedy(NAME));
+    }
     let (start, goal) = (source.pose(&file.start, "start")?, source.pose(&file.goal, "goal")?);
     let score_profile = resolve_profile(source, file.score_profile.as_ref())?;
     let free = resolve_free(source, &file.free, &start, &goal)?;
-    let (mut paths, mut drawn_paths) = (Vec::new(), Vec::new());
-    for entry in &file.path {
-        let path = entry.get_ref();
-        match (&path.file, &path.via_m) {
-            (Some(name), None) => {
-                paths.push(read_user_path(&path.name, &source.folder.join(name), &robot)?);
-            }
-            (None, Some(via)) => {
-                let via: Vec<Vec3> = via.iter().map(|v| Vec3::from(*v)).collect();
-                let candidate = drawn(&path.name, &via, &start, &goal)
-                    .map_err(|e| source.error(entry, format!("path `{}`: {e}", path.name)))?;
-                drawn_paths.push(candidate);
-            }
-            _ => {
-                let message = format!("path `{}` needs either file or via_m", path.name);
-                return Err(source.error(entry, message));
-            }
-        }
-    }
-    check_task(source, &file.task)?;
-    let task = Task::new(&file.task);
+    refuse_no_movement(source, &file, [&start, &goal], &free)?;
+    let duration_s = resolve_duration(source, &file.motion.duration_s, &free)?;
+    let (paths, drawn_paths) = resolve_paths(source, &file.path, &robot, [&start, &goal])?;
+    let task = resolve_task(source, &file.task, &free, duration_s)?;
     if task.part_mass_kg > 0.0 && file.task.human_load_share.is_none() {
         warnings.push(format!(
             "task.human_load_share is not given: the worker is taken to carry the whole {} kg",
@@ -118,13 +118,12 @@ pub(super) fn resolve(
         ));
     }
     let worker = resolve_worker(source, &file.worker)?;
-    warnings.extend(looks_away(&worker, &start, &goal));
-    warnings.extend(paths.iter().filter_map(UserPath::warning));
     let grip = resolve_grip(source, &file.grip)?;
-    let obstacles: Result<Vec<_>, InputError> =
-        file.obstacle.iter().map(|o| resolve_obstacle(source, o)).collect();
-    Ok(Scenario {
-        name: file.name,
+    let obstacles = resolve_obstacles(source, &file.obstacle)?;
+    warnings.extend(source.doubts.take().iter().map(Doubt::warning));
+    warnings.extend(paths.iter().flat_map(UserPath::warnings));
+    let mut scenario = Scenario {
+        name: file.name.into_inner(),
         description: file.description,
         file: source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         sha256,
@@ -140,28 +139,84 @@ pub(super) fn resolve(
         limits,
         person_margin,
         assumed_limits,
-        obstacles: obstacles?,
+        obstacles,
         task,
         paths,
         drawn: drawn_paths,
         free,
         warnings,
-    })
+    };
+    scenario.refuse_worker_inside(source, &file.worker.at_m)?;
+    let elsewhere: Vec<String> =
+        scenario.paths.iter().filter_map(|p| scenario.other_movement(p)).collect();
+    scenario.warnings.extend(elsewhere);
+    scenario.warnings.extend(scenario.faces_away().map(|away| away.to_string()));
+    Ok(scenario)
 }
 
-/// Whether the worker looks past the task, as one does with a wrong sign in the file.
-fn looks_away(worker: &Worker, start: &Pose, goal: &Pose) -> Option<String> {
-    let middle = (start.translation.vector + goal.translation.vector) * 0.5;
-    let to = (middle.x - worker.at_m[0], middle.y - worker.at_m[1]);
-    let wanted = to.1.atan2(to.0);
-    let off = (wanted - worker.facing).sin().atan2((wanted - worker.facing).cos());
-    (to.0.hypot(to.1) > 0.1 && off.abs().to_degrees() > MOST_TURNED_DEG).then(|| {
-        format!(
-            "the worker looks {:.0} deg past the middle of the task; worker.facing_deg = {:.0} would look at it",
-            off.abs().to_degrees(),
-            wanted.to_degrees()
+/// A worker who faces away from the task, as one does with a wrong sign in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FacesAway {
+    /// Angle past the middle of the task, deg.
+    pub off_deg: f64,
+    /// `worker.facing_deg` that looks at it.
+    pub wanted_deg: f64,
+}
+
+impl fmt::Display for FacesAway {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(
+            f,
+            "the worker looks {:.0} deg past the middle of the task; worker.facing_deg = {:.0} would look \
+             at it",
+            self.off_deg, self.wanted_deg
         )
-    })
+    }
+}
+
+impl Scenario {
+    /// Whether the worker looks past the task.
+    pub fn faces_away(&self) -> Option<FacesAway> {
+        let w = &self.worker;
+        let middle = (self.start.translation.vector + self.goal.translation.vector) * 0.5;
+        let (x, y) = (middle.x - w.at_m[0], middle.y - w.at_m[1]);
+        let wanted = y.atan2(x);
+        let off = (wanted - w.facing).sin().atan2((wanted - w.facing).cos()).abs();
+        let away = FacesAway { off_deg: off.to_degrees(), wanted_deg: wanted.to_degrees() };
+        (x.hypot(y) > LEAST_AHEAD_M && away.off_deg > MOST_TURNED_DEG).then_some(away)
+    }
+
+    /// Something solid where the worker's legs and pelvis are: nobody can stand or sit there.
+    fn refuse_worker_inside(
+        &self,
+        source: &Source,
+        at: &Spanned<[f64; 2]>,
+    ) -> Result<(), InputError> {
+        let w = &self.worker;
+        let Some(body) = w.bodies.first() else { return Ok(()) };
+        let hip = body.pelvis_pose(w.at_m, w.facing, w.stance).translation.vector;
+        // Standing the whole leg, seated what is above the seat.
+        let low = match w.stance {
+            Stance::Standing { .. } => 0.1,
+            Stance::Seated { .. } => hip.z,
+        };
+        let places = (0..=AXIS_LOOKS).map(|i| {
+            let z = low + (hip.z - low) * f64::from(i) / f64::from(AXIS_LOOKS);
+            Vec3::new(hip.x, hip.y, z)
+        });
+        let places: Vec<Vec3> = places.collect();
+        for (name, obstacle) in &self.obstacles {
+            if places.iter().any(|p| obstacle.signed_distance(p) < 0.0) {
+                let what =
+                    if matches!(w.stance, Stance::Seated { .. }) { "sits" } else { "stands" };
+                let message = format!("the worker {what} inside obstacle `{name}`");
+                return Err(source.error(at, message).remedy(
+                    "move worker.at_m, or the obstacle: position_m is its middle, size_m its whole widths",
+                ));
+            }
+        }
+        Ok(())
+    }
 }
 
 fn resolve_profile(source: &Source, name: Option<&Spanned<String>>) -> Result<Profile, InputError> {
@@ -173,6 +228,139 @@ fn resolve_profile(source: &Source, name: Option<&Spanned<String>>) -> Result<Pr
         let message = format!("score_profile = \"{}\" is not known", name.get_ref());
         source.error(name, message).remedy(help)
     })
+}
+
+/// Start and goal at one place and turned alike, with nothing free that could part them.
+fn refuse_no_movement(
+    source: &Source,
+    file: &ScenarioFile,
+    [start, goal]: [&Pose; 2],
+    free: &Freedoms,
+) -> Result<(), InputError> {
+    let way = (goal.translation.vector - start.translation.vector).norm();
+    let turn = goal.rotation.angle_to(&start.rotation).to_degrees();
+    let may_part = free.all.iter().any(|(f, _)| {
+        !matches!(
+            f,
+            Freedom::Duration | Freedom::Dwell | Freedom::WorkerOffset(_) | Freedom::WorkerFacing
+        )
+    });
+    if way >= LEAST_WAY_M || turn >= LEAST_TURN_DEG || may_part {
+        return Ok(());
+    }
+    Err(source
+        .error(&file.goal, "the goal is the start: there is no movement")
+        .remedy("give the goal another position_m or orientation"))
+}
+
+/// The duration, moved into the range that is free.
+fn resolve_duration(
+    source: &Source,
+    given: &Spanned<f64>,
+    free: &Freedoms,
+) -> Result<f64, InputError> {
+    let value = *given.get_ref();
+    if value > LONGEST_S {
+        let doubt = Doubt::Milliseconds { place: "motion.duration_s".to_owned(), value };
+        return Err(source.at(given, source.question(&doubt)));
+    }
+    let given_s = source.number(given, "motion.duration_s", 0.05, LONGEST_S)?;
+    let Some([low, high]) = free.range(Freedom::Duration) else { return Ok(given_s) };
+    let taken_s = given_s.clamp(low, high);
+    if taken_s.to_bits() != given_s.to_bits() {
+        source.doubt(Some(Doubt::DurationOutsideRange { given_s, taken_s }));
+    }
+    Ok(taken_s)
+}
+
+/// The designer's own paths: those in files and those drawn by via-points.
+fn resolve_paths(
+    source: &Source,
+    entries: &[Spanned<PathFile>],
+    robot: &Robot,
+    ends: [&Pose; 2],
+) -> Result<(Vec<UserPath>, Vec<Candidate>), InputError> {
+    let (mut paths, mut drawn_paths) = (Vec::new(), Vec::new());
+    for (i, entry) in entries.iter().enumerate() {
+        let path = entry.get_ref();
+        if let Some(fault) = path_name_fault(&path.name) {
+            let shown: String =
+                path.name.chars().filter(|c| !c.is_control()).take(SHOWN_OF_NAME).collect();
+            let message = format!("path `{shown}`: the name {fault}");
+            return Err(source.error(entry, message).remedy(NAME));
+        }
+        if entries[..i].iter().any(|e| e.get_ref().name == path.name) {
+            let message = format!("there are two paths named `{}`", path.name);
+            return Err(source.error(entry, message).remedy("rename one of them"));
+        }
+        match (&path.file, &path.via_m) {
+            (Some(name), None) => {
+                let read = read_user_path(&path.name, &source.folder.join(name), robot, Some(ends));
+                paths.push(read.map_err(|e| source.named(entry, "path.file", e))?);
+            }
+            (None, Some(via)) => {
+                for point in via {
+                    source.refuse_far("path.via_m", point).map_err(|e| source.at(entry, e))?;
+                }
+                let via: Vec<Vec3> = via.iter().map(|v| Vec3::from(*v)).collect();
+                let candidate = drawn(&path.name, &via, ends[0], ends[1])
+                    .map_err(|e| source.error(entry, format!("path `{}`: {e}", path.name)))?;
+                drawn_paths.push(candidate);
+            }
+            _ => {
+                let message = format!("path `{}` needs either file or via_m", path.name);
+                return Err(source.error(entry, message).remedy("keep one of them"));
+            }
+        }
+    }
+    Ok((paths, drawn_paths))
+}
+
+fn resolve_obstacles(
+    source: &Source,
+    entries: &[Spanned<ObstacleFile>],
+) -> Result<Vec<(String, Obstacle)>, InputError> {
+    let mut all: Vec<(String, Obstacle)> = Vec::new();
+    for entry in entries {
+        let (name, obstacle) = resolve_obstacle(source, entry)?;
+        if all.iter().any(|(n, _)| *n == name) {
+            let message = format!("there are two obstacles named `{name}`");
+            return Err(source.error(entry, message).remedy("rename one of them"));
+        }
+        all.push((name, obstacle));
+    }
+    Ok(all)
+}
+
+fn resolve_task(
+    source: &Source,
+    file: &TaskFile,
+    free: &Freedoms,
+    duration_s: f64,
+) -> Result<Task, InputError> {
+    let task = Task::new(file);
+    let at = file.part_mass_kg.as_ref().or(file.extra_load_kg.as_ref());
+    if let (Some(at), Some(doubt)) =
+        (at, plausible::load(task.part_mass_kg, task.load_kg, task.extra_load_kg))
+    {
+        match doubt {
+            Doubt::HeavyPart { .. } => source.doubt(Some(doubt)),
+            _ => return Err(source.at(at, source.question(&doubt))),
+        }
+    }
+    check_task(source, file)?;
+    // The quickest movement that may be chosen, and the hold, have to fit into a cycle.
+    let least_s = free.range(Freedom::Duration).map_or(duration_s, |[low, _]| low);
+    let parts = [("the movement", least_s), ("task.hold_s", task.hold_s.unwrap_or(0.0))];
+    for (place, needed_s) in parts {
+        if let Some(cycles_per_min) =
+            task.cycles_per_min.filter(|c| c * needed_s > MOST_OF_A_MINUTE_S)
+        {
+            let place = place.to_owned();
+            source.doubt(Some(Doubt::Cycles { cycles_per_min, place, needed_s }));
+        }
+    }
+    Ok(task)
 }
 
 fn check_task(source: &Source, task: &TaskFile) -> Result<(), InputError> {

@@ -16,7 +16,8 @@ pub(super) struct ScenarioFile {
     #[schemars(with = "String", extend("const" = SCENARIO_SCHEMA))]
     pub schema: Spanned<String>,
     /// Short name, shown in reports.
-    pub name: String,
+    #[schemars(with = "String")]
+    pub name: Spanned<String>,
     /// What the scenario is about.
     #[serde(default)]
     pub description: String,
@@ -67,35 +68,50 @@ pub(super) struct ScenarioFile {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct FreeFile {
     /// Equivalent starts besides the one above.
-    pub start_places: Vec<PoseFile>,
+    #[schemars(with = "Vec<PoseFile>")]
+    pub start_places: Vec<Spanned<PoseFile>>,
     /// Half widths along world x, y, z within which the start may move, m.
-    pub start_box_m: Option<[f64; 3]>,
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub start_box_m: Option<Spanned<[f64; 3]>>,
     /// Least and greatest turn of the start about the vertical, deg.
-    pub start_yaw_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub start_yaw_deg: Option<Spanned<[f64; 2]>>,
     /// Least and greatest turn of the start about the held bar, deg.
-    pub start_roll_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub start_roll_deg: Option<Spanned<[f64; 2]>>,
     /// Equivalent goals besides the one above.
-    pub goal_places: Vec<PoseFile>,
+    #[schemars(with = "Vec<PoseFile>")]
+    pub goal_places: Vec<Spanned<PoseFile>>,
     /// Half widths along world x, y, z within which the goal may move, m.
-    pub goal_box_m: Option<[f64; 3]>,
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub goal_box_m: Option<Spanned<[f64; 3]>>,
     /// Least and greatest turn of the goal about the vertical, deg.
-    pub goal_yaw_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub goal_yaw_deg: Option<Spanned<[f64; 2]>>,
     /// Least and greatest turn of the goal about the held bar, deg.
-    pub goal_roll_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub goal_roll_deg: Option<Spanned<[f64; 2]>>,
     /// Least and greatest turn of the handle on the tool about its bar, deg.
-    pub grip_roll_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub grip_roll_deg: Option<Spanned<[f64; 2]>>,
     /// Half widths along world x, y, z within which the robot's base may move, m.
-    pub robot_base_m: Option<[f64; 3]>,
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub robot_base_m: Option<Spanned<[f64; 3]>>,
     /// Least and greatest turn of the robot's base about the vertical, deg.
-    pub robot_base_yaw_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub robot_base_yaw_deg: Option<Spanned<[f64; 2]>>,
     /// Half widths along world x, y within which the worker's place may move, m.
-    pub worker_at_m: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub worker_at_m: Option<Spanned<[f64; 2]>>,
     /// Least and greatest turn of the worker about the vertical, deg.
-    pub worker_facing_deg: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub worker_facing_deg: Option<Spanned<[f64; 2]>>,
     /// Least and greatest duration, s.
-    pub duration_s: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub duration_s: Option<Spanned<[f64; 2]>>,
     /// Least and greatest rest at the middle of the way, besides the duration, s.
-    pub dwell_s: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub dwell_s: Option<Spanned<[f64; 2]>>,
     /// How far the tool may turn on its way besides the turn from start to goal, deg.
     #[schemars(range(min = 0.0, max = 90.0))]
     pub turn_on_the_way_deg: Option<f64>,
@@ -112,9 +128,10 @@ pub(super) struct FreeFile {
 pub(super) struct WorkerFile {
     /// Shipped bodies (`female_p05`, `female_p50`, `male_p50`, `male_p95`) or URDF files made by `ergopath body`; the first is the main one.
     #[schemars(with = "Vec<String>", length(min = 1))]
-    pub bodies: Spanned<Vec<String>>,
+    pub bodies: Spanned<Vec<Spanned<String>>>,
     /// A shipped posture model (`demo_operator`) or a file that `ergopath train` wrote.
-    pub posture_model: String,
+    #[schemars(with = "String")]
+    pub posture_model: Spanned<String>,
     /// The hand on the robot; default right.
     #[serde(default = "right")]
     pub side: Side,
@@ -135,8 +152,8 @@ pub(super) struct WorkerFile {
     #[schemars(range(min = 0.1, max = 1.2))]
     pub seat_height_m: Option<f64>,
     /// A backrest supports the trunk.
-    #[serde(default)]
-    pub trunk_supported: bool,
+    #[schemars(with = "Option<bool>")]
+    pub trunk_supported: Option<Spanned<bool>>,
     /// The weight of the arm is supported.
     #[serde(default)]
     pub arm_supported: bool,
@@ -220,10 +237,11 @@ pub(super) struct GripFile {
 #[serde(deny_unknown_fields)]
 pub(super) struct RobotFile {
     /// A robot that is shipped: `panda`, `fr3`, `ur5e`, `ur10e`.
-    #[schemars(extend("enum" = crate::robot::PRESETS))]
-    pub preset: Option<String>,
+    #[schemars(with = "Option<String>", extend("enum" = crate::robot::PRESETS))]
+    pub preset: Option<Spanned<String>>,
     /// URDF file instead of a preset.
-    pub urdf: Option<String>,
+    #[schemars(with = "Option<String>")]
+    pub urdf: Option<Spanned<String>>,
     /// Link of the URDF that stands on `base`.
     pub base_link: Option<String>,
     /// Link of the URDF whose frame is the TCP.
@@ -233,7 +251,8 @@ pub(super) struct RobotFile {
     pub base: Spanned<PoseFile>,
     /// Other limits of single joints.
     #[serde(default)]
-    pub limit: Vec<JointLimitFile>,
+    #[schemars(with = "Vec<JointLimitFile>")]
+    pub limit: Vec<Spanned<JointLimitFile>>,
 }
 
 /// Another limit of one joint of the robot; what is left out stays.

@@ -3,11 +3,13 @@
 
 use super::check::Scenario;
 use super::file::FreeFile;
+use super::plausible::{self, Doubt, FARTHEST_MOVE_M, FARTHEST_PLACE_M};
 use super::source::Source;
 use crate::files::InputError;
 use crate::math::{Pose, Vec3};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
+use toml::Spanned;
 
 /// One number that may be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -310,26 +312,33 @@ pub(super) fn resolve_free(
         (&file.start_places, &mut free.starts, Freedom::StartPlace, "free.start_places"),
         (&file.goal_places, &mut free.goals, Freedom::GoalPlace, "free.goal_places"),
     ] {
+        let first = list[0].translation.vector;
         for place in places {
-            list.push(source.pose_of(place, key)?);
+            let pose = source.pose(place, key)?;
+            let value = (pose.translation.vector - first).norm();
+            if value > FARTHEST_PLACE_M {
+                let doubt = Doubt::FarPlace { place: key.to_owned(), value };
+                return Err(source.at(place, source.question(&doubt)));
+            }
+            list.push(pose);
         }
         if !places.is_empty() {
             // Half open, so that each place has the same share.
             free.all.push((freedom, [0.0, list.len() as f64 - 1e-9]));
         }
     }
-    let boxes: [(&Option<[f64; 3]>, OfAxis, &str, f64); 3] = [
-        (&file.start_box_m, Freedom::StartOffset, "free.start_box_m", 2.0),
-        (&file.goal_box_m, Freedom::GoalOffset, "free.goal_box_m", 2.0),
-        (&file.robot_base_m, Freedom::BaseOffset, "free.robot_base_m", 5.0),
+    let boxes: [(_, OfAxis, &str); 3] = [
+        (&file.start_box_m, Freedom::StartOffset, "free.start_box_m"),
+        (&file.goal_box_m, Freedom::GoalOffset, "free.goal_box_m"),
+        (&file.robot_base_m, Freedom::BaseOffset, "free.robot_base_m"),
     ];
-    for (half, freedom, key, most) in boxes {
-        for (axis, h) in half.iter().flatten().enumerate() {
-            push_half(source, &mut free.all, freedom(axis), *h, key, most)?;
+    for (half, freedom, key) in boxes {
+        if let Some(half) = half {
+            push_halves(source, &mut free.all, freedom, half, key)?;
         }
     }
-    for (axis, h) in file.worker_at_m.iter().flatten().enumerate() {
-        push_half(source, &mut free.all, Freedom::WorkerOffset(axis), *h, "free.worker_at_m", 5.0)?;
+    if let Some(half) = &file.worker_at_m {
+        push_halves(source, &mut free.all, Freedom::WorkerOffset, half, "free.worker_at_m")?;
     }
     let turns = [
         (&file.start_yaw_deg, Freedom::StartYaw, "free.start_yaw_deg"),
@@ -342,15 +351,16 @@ pub(super) fn resolve_free(
     ];
     for (range, freedom, key) in turns {
         if let Some(range) = range {
-            let [low, high] = checked_range(source, *range, key, [-180.0, 180.0])?;
+            source.doubt(plausible::radians(key, range.get_ref()));
+            let [low, high] = checked_range(source, range, key, [-180.0, 180.0])?;
             free.all.push((freedom, [low.to_radians(), high.to_radians()]));
         }
     }
-    if let Some(range) = file.duration_s {
+    if let Some(range) = &file.duration_s {
         let range = checked_range(source, range, "free.duration_s", [0.05, 600.0])?;
         free.all.push((Freedom::Duration, range));
     }
-    if let Some(range) = file.dwell_s {
+    if let Some(range) = &file.dwell_s {
         let range = checked_range(source, range, "free.dwell_s", [0.0, 600.0])?;
         free.all.push((Freedom::Dwell, range));
     }
@@ -392,34 +402,38 @@ fn pace_spread(source: &Source, file: &FreeFile) -> Result<Option<f64>, InputErr
         .remedy("1 is usual: parts of the path take up to some three times as long, or as short"))
 }
 
-fn push_half(
+fn push_halves<const N: usize>(
     source: &Source,
     all: &mut Vec<(Freedom, [f64; 2])>,
-    freedom: Freedom,
-    half: f64,
+    freedom: OfAxis,
+    halves: &Spanned<[f64; N]>,
     key: &str,
-    most: f64,
 ) -> Result<(), InputError> {
-    if !(0.0..=most).contains(&half) {
-        let message = format!("{key} holds {half}, which is outside 0 to {most} m");
-        return Err(source.plain(message).remedy("give half the width along x, y and z in metres"));
-    }
-    if half > 0.0 {
-        all.push((freedom, [-half, half]));
+    for (axis, half) in halves.get_ref().iter().enumerate() {
+        if !(0.0..=FARTHEST_MOVE_M).contains(half) {
+            let message = format!("{key} holds {half}, which is outside 0 to {FARTHEST_MOVE_M} m");
+            return Err(source.error(halves, message).remedy(
+                "give half the width along x, y and z in metres: how far the place may move",
+            ));
+        }
+        if *half > 0.0 {
+            all.push((freedom(axis), [-half, *half]));
+        }
     }
     Ok(())
 }
 
 fn checked_range(
     source: &Source,
-    [low, high]: [f64; 2],
+    range: &Spanned<[f64; 2]>,
     key: &str,
     [least, most]: [f64; 2],
 ) -> Result<[f64; 2], InputError> {
+    let [low, high] = *range.get_ref();
     if low < high && low >= least && high <= most {
         return Ok([low, high]);
     }
     Err(source
-        .plain(format!("{key} = [{low}, {high}] is no range within {least} to {most}"))
+        .error(range, format!("{key} = [{low}, {high}] is no range within {least} to {most}"))
         .remedy("give the least and then the greatest value"))
 }

@@ -2,16 +2,21 @@
 //!
 //! Columns `time_s, x_m, y_m, z_m, qw, qx, qy, qz` (TCP in the world), or `time_s` and the robot's
 //! joint names, with or without the ending `_rad`. Other columns are ignored when the TCP columns are
-//! complete (a path written by ergopath holds both).
+//! complete (a path written by ergopath holds both). What looks like another unit is refused with a
+//! question (see [`super::plausible`]).
 
-use crate::files::{InputError, NumericTable};
+use super::check::Scenario;
+use super::plausible::{self, Doubt, LONGEST_S};
+use crate::files::{InputError, NumericTable, read_bytes, sha256_hex};
 use crate::math::{Pose, Vec3};
 use crate::robot::{JointTrajectory, Robot, tcp_poses};
-use crate::trajectory::TimedPath;
+use crate::trajectory::{TimedPath, TrajectoryError};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::path::Path;
 
 const POSE_COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
+/// How far from 1 the norm of a quaternion may be.
+const NORM_TOLERANCE: f64 = 1e-2;
 
 /// A path that was given, not planned.
 #[derive(Debug, Clone)]
@@ -22,49 +27,110 @@ pub struct UserPath {
     pub path: TimedPath,
     /// Joint angles at the same times, rad, if the file gives the robot's motion.
     pub joints: Option<Vec<Vec<f64>>>,
+    /// What looks odd in the file and may be meant.
+    pub doubts: Vec<Doubt>,
     /// SHA-256 of the file.
     pub sha256: String,
 }
 
 impl UserPath {
-    /// What the reader should know of it.
-    pub fn warning(&self) -> Option<String> {
-        self.joints.is_none().then(|| {
-            format!(
+    /// What the reader should know of it, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let of_file = |d: &Doubt| format!("path `{}`, {}", self.name, d.warning());
+        let mut all: Vec<String> = self.doubts.iter().map(of_file).collect();
+        if self.joints.is_none() {
+            all.push(format!(
                 "path `{}` gives only the TCP: the postures of the arm along it are chosen here, and its \
                  distances to people and things may differ from those under your controller; columns with \
                  the robot's joints would fix them",
                 self.name
-            )
-        })
+            ));
+        }
+        all
     }
 }
 
-/// Reads a path for a robot.
-pub fn read_user_path(name: &str, file: &Path, robot: &Robot) -> Result<UserPath, InputError> {
-    let bytes = crate::files::read_bytes(file)?;
+impl Scenario {
+    /// Adds a path from a file, named like the file.
+    ///
+    /// # Errors
+    /// Where the file is no path, or its name cannot be used or is taken.
+    pub fn add_path(&mut self, file: &Path) -> Result<(), InputError> {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        if let Some(fault) = plausible::path_name_fault(&name) {
+            return Err(InputError::new(file, format!("as a name of a path, `{name}` {fault}"))
+                .remedy("rename the file"));
+        }
+        let taken = self.paths.iter().map(|p| &p.name).chain(self.drawn.iter().map(|d| &d.id));
+        if taken.into_iter().any(|n| *n == name) {
+            let message = format!("there are two paths named `{name}`");
+            return Err(InputError::new(file, message).remedy("rename one of the files"));
+        }
+        let path = read_user_path(&name, file, &self.robot, Some([&self.start, &self.goal]))?;
+        self.warnings.extend(path.warnings());
+        self.warnings.extend(self.other_movement(&path));
+        self.paths.push(path);
+        Ok(())
+    }
+
+    /// That a path is not from start to goal, in a sentence.
+    pub(super) fn other_movement(&self, path: &UserPath) -> Option<String> {
+        let ends = self.end_mismatch(&path.path)?;
+        Some(format!(
+            "path `{}` {ends}: it is another movement, so it is scored but compared with no other path",
+            path.name
+        ))
+    }
+}
+
+/// Reads a path for a robot; with start and goal of the scenario, if there is one, the order of its
+/// quaternions is judged by them.
+///
+/// # Errors
+/// Where the file is no path for the robot, or is one in other units.
+pub fn read_user_path(
+    name: &str,
+    file: &Path,
+    robot: &Robot,
+    ends: Option<[&Pose; 2]>,
+) -> Result<UserPath, InputError> {
+    let bytes = read_bytes(file)?;
     let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if ["json", "yaml", "yml"].contains(&ending.as_str()) {
-        return read_trajectory(name, file, &bytes, robot, &ending);
+        read_trajectory(name, file, &bytes, robot, &ending)
+    } else {
+        read_table(name, file, &bytes, robot, ends)
     }
-    let table = NumericTable::parse(file, &bytes)?;
+}
+
+fn read_table(
+    name: &str,
+    file: &Path,
+    bytes: &[u8],
+    robot: &Robot,
+    ends: Option<[&Pose; 2]>,
+) -> Result<UserPath, InputError> {
+    let table = NumericTable::parse(file, bytes)?;
     let time_s = table.column("time_s")?;
-    let has = |c: &str| table.columns.iter().any(|k| k == c);
-    let joint_columns: Option<Vec<String>> = robot
-        .joint_names()
-        .map(|j| [j.to_owned(), format!("{j}_rad")].into_iter().find(|c| has(c)))
-        .collect();
-    let joints: Option<Vec<Vec<f64>>> = match &joint_columns {
-        Some(columns) => {
-            let indices: Result<Vec<usize>, InputError> =
-                columns.iter().map(|c| table.index(c)).collect();
-            let indices = indices?;
-            Some(table.rows.iter().map(|r| indices.iter().map(|&i| r[i]).collect()).collect())
+    let place = |name: &str| table.columns.iter().position(|k| k == name);
+    let columns: Option<Vec<usize>> =
+        robot.joint_names().map(|j| place(j).or_else(|| place(&format!("{j}_rad")))).collect();
+    let has_poses = POSE_COLUMNS.iter().all(|c| place(c).is_some());
+    let positions = if has_poses { &POSE_COLUMNS[..3] } else { &[] };
+    let of_joints = columns.as_deref().unwrap_or_default();
+    if let Some(doubt) = plausible::of_table(&table, positions, of_joints, robot) {
+        return Err(doubt.question(file));
+    }
+    let joints: Option<Vec<Vec<f64>>> =
+        columns.map(|c| table.rows.iter().map(|r| c.iter().map(|&i| r[i]).collect()).collect());
+    let poses = if has_poses {
+        let poses = read_poses(file, &table)?;
+        if let (Some(ends), [first, .., last]) = (ends, &poses[..])
+            && let Some(doubt) = plausible::order("columns `qw` to `qz`", [first, last], ends)
+        {
+            return Err(doubt.question(file));
         }
-        None => None,
-    };
-    let poses = if POSE_COLUMNS.iter().all(|c| has(c)) {
-        read_poses(file, &table)?
+        poses
     } else if let Some(q) = &joints {
         tcp_poses(robot, q)
     } else {
@@ -77,10 +143,19 @@ pub fn read_user_path(name: &str, file: &Path, robot: &Robot) -> Result<UserPath
             )));
     };
     let path = TimedPath::new(time_s, poses).map_err(|e| {
-        InputError::new(file, e.to_string()).remedy("time_s must rise from row to row")
+        let message = match e {
+            TrajectoryError::Time(row) => {
+                let (line, t) = (table.line(row), place("time_s").map(|c| table.rows[row][c]));
+                let before = place("time_s").map(|c| table.rows[row.saturating_sub(1)][c]);
+                let [t, before] = [t, before].map(Option::unwrap_or_default);
+                format!("line {line}, column `time_s`: {t} is not later than {before} before it")
+            }
+            other => other.to_string(),
+        };
+        InputError::new(file, message).remedy("time_s must rise from row to row")
     })?;
-    let sha256 = crate::files::sha256_hex(&bytes);
-    Ok(UserPath { name: name.to_owned(), path, joints, sha256 })
+    let sha256 = sha256_hex(bytes);
+    Ok(UserPath { name: name.to_owned(), path, joints, doubts: Vec::new(), sha256 })
 }
 
 /// A ROS `JointTrajectory`, as JSON or YAML.
@@ -96,16 +171,36 @@ fn read_trajectory(
             .remedy("expected a ROS JointTrajectory: joint_names, and points with positions and time_from_start")
     };
     let text = std::str::from_utf8(bytes).map_err(|e| fault(format!("is not text: {e}")))?;
-    let trajectory: JointTrajectory = if ending == "json" {
-        serde_json::from_str(text).map_err(|e| fault(e.to_string()))?
-    } else {
-        serde_saphyr::from_str(text).map_err(|e| fault(e.to_string()))?
-    };
+    let trajectory =
+        JointTrajectory::from_text(text, ending == "json").map_err(|e| fault(e.to_string()))?;
     let (time_s, q) = trajectory.postures(robot).map_err(|e| fault(e.to_string()))?;
+    if let (Some(first), Some(last)) = (time_s.first(), time_s.last())
+        && last - first > LONGEST_S
+    {
+        let place = format!("point {}, `time_from_start`", time_s.len());
+        return Err(Doubt::Milliseconds { place, value: last - first }.question(file));
+    }
+    for (k, row) in q.iter().enumerate() {
+        for (j, (value, joint)) in row.iter().zip(robot.joint_names()).enumerate() {
+            let place = || format!("point {}, joint `{joint}`", k + 1);
+            if let Some(doubt) = plausible::of_joint(robot, j, *value, place) {
+                return Err(doubt.question(file));
+            }
+        }
+    }
     let path = TimedPath::new(time_s, tcp_poses(robot, &q))
         .map_err(|e| fault(format!("{e}; time_from_start must rise from point to point")))?;
-    let sha256 = crate::files::sha256_hex(bytes);
-    Ok(UserPath { name: name.to_owned(), path, joints: Some(q), sha256 })
+    let doubts = trajectory
+        .odd_velocity()
+        .map(|odd| Doubt::Velocities {
+            place: format!("point {}, joint `{}`", odd.point + 1, odd.joint),
+            given: odd.given,
+            moved: odd.moved,
+        })
+        .into_iter()
+        .collect();
+    let sha256 = sha256_hex(bytes);
+    Ok(UserPath { name: name.to_owned(), path, joints: Some(q), doubts, sha256 })
 }
 
 fn read_poses(file: &Path, table: &NumericTable) -> Result<Vec<Pose>, InputError> {
@@ -120,9 +215,9 @@ fn read_poses(file: &Path, table: &NumericTable) -> Result<Vec<Pose>, InputError
         .map(|(row, r)| {
             let [x, y, z, qw, qx, qy, qz] = columns.map(|c| r[c]);
             let q = Quaternion::new(qw, qx, qy, qz);
-            if (q.norm() - 1.0).abs() > 1e-2 {
-                let message =
-                    format!("row {}: quaternion has norm {:.4}, not 1", row + 1, q.norm());
+            if (q.norm() - 1.0).abs() > NORM_TOLERANCE {
+                let line = table.line(row);
+                let message = format!("line {line}: quaternion has norm {:.4}, not 1", q.norm());
                 return Err(InputError::new(file, message)
                     .remedy("qw is the scalar part; normalise the quaternion"));
             }

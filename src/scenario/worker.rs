@@ -1,6 +1,7 @@
 //! Who works, where, and in which posture.
 
 use super::file::{OtherArm, StanceFile, WorkerFile};
+use super::plausible;
 use super::source::Source;
 use crate::files::{InputError, NumericTable};
 use crate::human::{Body, Side, Stance};
@@ -44,16 +45,27 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
             .error(&file.bodies, "worker.bodies is empty")
             .remedy("name at least one"));
     }
-    let bodies: Result<Vec<Body>, InputError> =
-        names.iter().map(|n| Body::load(n, source.folder)).collect();
+    let bodies: Result<Vec<Body>, InputError> = names
+        .iter()
+        .map(|n| {
+            Body::load(n.get_ref(), source.folder).map_err(|e| source.named(n, "worker.bodies", e))
+        })
+        .collect();
     let bodies = bodies?;
-    let (model, model_sha256) = load_model(&file.posture_model, source.folder)?;
+    let named_model = &file.posture_model;
+    let (model, model_sha256) = load_model(named_model.get_ref(), source.folder)
+        .map_err(|e| source.named(named_model, "worker.posture_model", e))?;
     if model.side != file.side {
         return Err(source
-            .plain(format!(
-                "posture model `{}` was learned on the {:?} arm, the scenario couples the {:?} hand",
-                file.posture_model, model.side, file.side
-            ))
+            .error(
+                named_model,
+                format!(
+                    "posture model `{}` was learned on the {:?} arm, the scenario couples the {:?} hand",
+                    named_model.get_ref(),
+                    model.side,
+                    file.side
+                ),
+            )
             .remedy("set worker.side, or train a model for this side"));
     }
     let stance = match (file.stance, file.seat_height_m) {
@@ -84,10 +96,17 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
         }
     };
     let at = file.at_m.get_ref();
-    if !at.iter().all(|v| v.abs() < 100.0) {
-        return Err(source.error(&file.at_m, format!("worker.at_m = {at:?} is not plausible")));
-    }
+    source.refuse_far("worker.at_m", at).map_err(|e| source.at(&file.at_m, e))?;
     let facing = source.number(&file.facing_deg, "worker.facing_deg", -720.0, 720.0)?;
+    source.doubt(plausible::radians("worker.facing_deg", &[facing]));
+    let trunk_supported = file.trunk_supported.as_ref().is_some_and(|s| *s.get_ref());
+    if let (true, Stance::Standing { .. }, Some(at)) =
+        (trunk_supported, stance, &file.trunk_supported)
+    {
+        return Err(source
+            .error(at, "worker.trunk_supported = true, but the worker stands")
+            .remedy("a backrest supports who sits: remove it, or set stance = \"seated\""));
+    }
     let start_rule = match file.start_posture.0.as_str() {
         "sampled" => StartRule::Sampled,
         "mean" => StartRule::Mean,
@@ -101,7 +120,7 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
         stance,
         at_m: *at,
         facing: facing.to_radians(),
-        trunk_supported: file.trunk_supported,
+        trunk_supported,
         arm_supported: file.arm_supported,
         start_rule,
         neck: file.neck,

@@ -8,7 +8,7 @@
 //! replaced. Nothing is guessed: a cell that cannot be read stops the whole table.
 
 use crate::ergonomics::{Profile, RebaSteps, RulaSteps, Worksheet, reba, rula};
-use crate::files::{InputError, suggest};
+use crate::files::{CsvText, InputError, suggest};
 use std::path::Path;
 
 /// The largest angle that is taken for one, deg.
@@ -33,10 +33,9 @@ pub fn score_table(
     bytes: &[u8],
     profile: &Profile,
 ) -> Result<ScoredTable, InputError> {
-    // Spreadsheet programs open a file with a byte order mark, which is no part of the first name.
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new().from_reader(bytes);
-    let header = reader.headers().map_err(|e| broken(path, &e))?.clone();
+    let text = CsvText::of(path, bytes)?;
+    let mut reader = text.verbatim();
+    let header = reader.headers().map_err(|e| text.broken(path, &e))?.clone();
     let inputs = input_columns(path, &header)?;
     let copied: Vec<usize> =
         (0..header.len()).filter(|&i| !outputs().any(|o| o == header[i].trim())).collect();
@@ -49,11 +48,11 @@ pub fn score_table(
         .map_err(written)?;
     let mut rows = 0;
     for record in reader.records() {
-        let record = record.map_err(|e| broken(path, &e))?;
-        let line = record.position().map_or(0, csv::Position::line);
+        let record = record.map_err(|e| text.broken(path, &e))?;
+        let line = text.line(&record);
         let mut values = [0.0; 26];
         for (k, &column) in inputs.iter().enumerate() {
-            values[k] = value(path, line, Worksheet::COLUMNS[k], record[column].trim())?;
+            values[k] = value(path, line, Worksheet::COLUMNS[k], record[column].trim(), &text)?;
         }
         let sheet = Worksheet::from_values(&values);
         let scores = rula(&sheet, profile).values().into_iter();
@@ -75,29 +74,9 @@ fn outputs() -> impl Iterator<Item = &'static str> {
     RulaSteps::COLUMNS.into_iter().chain(RebaSteps::COLUMNS)
 }
 
-fn broken(path: &Path, error: &csv::Error) -> InputError {
-    let line = error.position().map_or_else(String::new, |p| format!("line {}: ", p.line()));
-    let message = match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("{line}{len} cells, but the header has {expected_len}")
-        }
-        csv::ErrorKind::Utf8 { .. } => format!("{line}is not UTF-8 text"),
-        _ => format!("{line}is not a table: {error}"),
-    };
-    InputError::new(path, message).remedy(
-        "every row needs as many comma-separated cells as the header; save it as CSV, UTF-8",
-    )
-}
-
 /// Where each input stands in the file.
 fn input_columns(path: &Path, header: &csv::StringRecord) -> Result<[usize; 26], InputError> {
     let names: Vec<&str> = header.iter().map(str::trim).collect();
-    if let [only] = names[..]
-        && only.contains(';')
-    {
-        return Err(InputError::new(path, "is separated by semicolons, not by commas")
-            .remedy("save the table with commas between cells and points in numbers"));
-    }
     let mut found = [0; 26];
     for (k, wanted) in Worksheet::COLUMNS.iter().enumerate() {
         let mut places = (0..names.len()).filter(|&i| names[i] == *wanted);
@@ -121,19 +100,22 @@ fn missing(path: &Path, wanted: &str, names: &[&str]) -> InputError {
 }
 
 /// What a cell of a column may hold.
-fn value(path: &Path, line: u64, column: &str, cell: &str) -> Result<f64, InputError> {
+fn value(
+    path: &Path,
+    line: u64,
+    column: &str,
+    cell: &str,
+    text: &CsvText,
+) -> Result<f64, InputError> {
     let refuse = |what: &str, remedy: &str| {
         InputError::new(path, format!("line {line}, column `{column}`: `{cell}` {what}"))
             .remedy(remedy)
     };
-    let value = match cell.parse::<f64>() {
-        Ok(v) if v.is_finite() => v,
-        _ => {
-            return Err(refuse(
-                "is not a finite number",
-                "fill the cell or remove the row; ergopath does not guess values",
-            ));
-        }
+    let Some(value) = text.number(cell) else {
+        return Err(refuse(
+            "is not a finite number",
+            "fill the cell or remove the row; ergopath does not guess values",
+        ));
     };
     match column {
         "load_kg" if value < 0.0 => {
@@ -210,7 +192,9 @@ mod tests {
         let error = scored(&table("", "").replace("knee_flex", "knee_flx")).unwrap_err();
         assert!(error.message().contains("`knee_flex` is missing"), "{error}");
         assert!(miette::Diagnostic::help(&error).unwrap().to_string().contains("knee_flx"));
-        assert!(scored(&table("", "").replace(',', ";")).unwrap_err().message().contains("semi"));
+        // Written with semicolons it is the same table.
+        let semicolons = table("", "").replace(',', ";");
+        assert_eq!(scored(&semicolons).unwrap(), scored(&table("", "")).unwrap());
         assert!(scored(&Worksheet::COLUMNS.join(",")).unwrap_err().message().contains("no rows"));
     }
 }

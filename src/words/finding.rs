@@ -55,13 +55,13 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
         Finding::TimingDiffers { path, same_route, per_metre } => {
             timing_differs(result, path, *same_route, per_metre)
         }
-        Finding::OtherEnds { path, start, goal } => format!(
+        Finding::OtherEnds { path, off } => format!(
             "`{path}` does not join the scenario's start and goal: it begins {:.0} mm and {:.1} deg from the start \
              and ends {:.0} mm and {:.1} deg from the goal. It is scored, and compared with nothing.",
-            1e3 * start[0],
-            start[1].to_degrees(),
-            1e3 * goal[0],
-            goal[1].to_degrees()
+            1e3 * off.start_m,
+            off.start_deg,
+            1e3 * off.goal_m,
+            off.goal_deg
         ),
     }
 }

@@ -28,7 +28,9 @@ fn every_file_of_a_run_and_every_shipped_file_is_explained() {
         ("rollouts/1.csv", "6 people"),
     ];
     for (file, words) in kinds {
-        check(&out.join(file)).success().stdout(contains(words).and(contains("It is fine.")));
+        check(&out.join(file))
+            .success()
+            .stdout(contains(words).and(contains("No problems found.")));
     }
     check(&out).success().stdout(contains("a finished run"));
     check(&room.path().join("operator.json")).success().stdout(contains("a posture model"));
@@ -84,10 +86,10 @@ fn a_scenario_is_looked_at_without_planning() {
     let figure = room.path().join("cell.png");
     let mut command = ergopath();
     command.arg("check").arg(&scenario).arg("--figure").arg(&figure);
-    let words = contains("start: the hand of `female_p50` gets there")
-        .and(contains("goal: the robot gets there"))
+    let words = contains("start: 16 of 16 start postures of `female_p50` reach it")
+        .and(contains("goal: the robot reaches it"))
         .and(contains("worker.other_arm: unknown, so not scored"))
-        .and(contains("limits.").and(contains("It is fine.")));
+        .and(contains("limits.").and(contains("\nErrors").not()));
     command.assert().success().stdout(words);
     assert!(std::fs::read(&figure).unwrap().starts_with(b"\x89PNG"));
     // A goal that nobody reaches.
@@ -95,7 +97,7 @@ fn a_scenario_is_looked_at_without_planning() {
     let far = room.path().join("far.toml");
     std::fs::write(&far, text.replace("[0.45, 0.25, 1.25]", "[2.45, 0.25, 1.25]")).unwrap();
     let words = contains("the robot does not reach the goal").and(contains("mm nearer"));
-    check(&far).code(3).stdout(words.and(contains("It is fine.").not()));
+    check(&far).code(3).stdout(words.and(contains("No problems found.").not()));
 }
 
 #[test]

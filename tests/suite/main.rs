@@ -23,6 +23,7 @@ mod ergonomics_smooth;
 mod ergonomics_tables;
 mod evaluate_cli;
 mod fit_real;
+mod inputs_cli;
 #[cfg(feature = "peers")]
 mod kinematics_peer;
 mod layers;
