@@ -2,8 +2,8 @@
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use ergopath::ergonomics::{
-    ArmAngles, ArmPose, BodyPose, DEFAULT_WIDTH_DEG, Profile, Side, TaskInputs, TrunkNeckAngles,
-    arm_angles, assess, smooth_reba, smooth_rula, trunk_neck_angles,
+    ArmAngles, ArmPose, BodyPose, Profile, Side, TaskInputs, TrunkNeckAngles, arm_angles, assess,
+    trunk_neck_angles,
 };
 use ergopath::human::{Body, Side as Coupled, Stance};
 use ergopath::math::stream::{Purpose, stream};
@@ -89,18 +89,6 @@ fn scores(c: &mut Criterion) {
                 .sum::<u32>()
         });
     });
-    group.bench_function("smooth, with gradients, from body angles", |b| {
-        b.iter(|| {
-            black_box(&angles)
-                .iter()
-                .map(|(body, arm)| {
-                    let rula = smooth_rula(body, arm, &task, &profile, DEFAULT_WIDTH_DEG);
-                    let reba = smooth_reba(body, arm, &task, &profile, DEFAULT_WIDTH_DEG);
-                    rula.gradient.along(body, arm) + reba.gradient.along(body, arm)
-                })
-                .sum::<f64>()
-        });
-    });
     group.finish();
 }
 
@@ -119,13 +107,6 @@ fn joints(c: &mut Criterion) {
     };
     c.bench_function("RULA and REBA from joint angles, kinematics included", |b| {
         b.iter_batched(&mut posture, |q| surveyor.measure(&q).score(&lens), BatchSize::SmallInput);
-    });
-    c.bench_function("smooth RULA and REBA and gradients by joint angles", |b| {
-        b.iter_batched(
-            &mut posture,
-            |q| surveyor.smooth_scores(&q, &lens, DEFAULT_WIDTH_DEG),
-            BatchSize::SmallInput,
-        );
     });
 }
 

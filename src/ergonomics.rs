@@ -2,7 +2,7 @@
 //! postures.
 //!
 //! ```text
-//! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg), and their rates
+//! angles    body poses (rotations, points)  ─► TrunkNeckAngles, ArmAngles   (deg)
 //! assess    angles + task + Profile         ─► Worksheet ─► RulaSteps, RebaSteps
 //! exposure  scores of many rollouts         ─► ScoreDistribution, ActionLevelShare
 //! method    the scores that rank and are reported: RULA, REBA
@@ -13,7 +13,6 @@
 //! iso11226, en1005_4  angles                ─► PartZone ─► zones: PartTimes over a series
 //! niosh     hands at both ends of a lift    ─► LiftAssessment: recommended weight, lifting index
 //! sensitivity  thresholds moved by degrees  ─► ThresholdSensitivity
-//! smooth    the same, continuous            ─► SmoothRulaSteps, SmoothRebaSteps and gradients
 //! ```
 //!
 //! RULA: Applied Ergonomics 24(2):91-99, 1993. REBA: Applied Ergonomics 31:201-205, 2000. Both leave
@@ -22,7 +21,6 @@
 //! allocates nothing.
 
 mod action_levels;
-mod angle_rates;
 mod angles;
 mod assess;
 mod back;
@@ -39,7 +37,6 @@ mod reba;
 mod rula;
 mod rula_continuous;
 mod sensitivity;
-mod smooth;
 mod tables;
 mod timeline;
 mod unpaired;
@@ -47,7 +44,6 @@ mod worksheet;
 mod zones;
 
 pub use action_levels::ActionLevelShare;
-pub use angle_rates::{ArmRates, BodyRates, arm_rates, trunk_neck_rates};
 pub use angles::{
     ArmAngles, ArmPose, BodyPose, Side, TrunkNeckAngles, arm_angles, trunk_neck_angles,
 };
@@ -86,10 +82,6 @@ pub use rula_continuous::{CONTINUOUS_JOINTS, RULA_CONTINUOUS, rula_continuous};
 pub use sensitivity::{
     BodyPart, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity, ThresholdShift,
     threshold_sensitivity,
-};
-pub use smooth::{
-    AngleGradient, DEFAULT_WIDTH_DEG, METRES_PER_DEG, SheetGradient, Smooth, SmoothRebaSteps,
-    SmoothRulaSteps, smooth_reba, smooth_reba_sheet, smooth_rula, smooth_rula_sheet,
 };
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,

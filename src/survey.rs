@@ -15,10 +15,6 @@ use crate::math::{Pose, Rotation, Vec3};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-mod gradient;
-
-pub use gradient::ScoreGradient;
-
 /// How the head is held, which nobody predicts.
 #[derive(
     Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
@@ -275,8 +271,6 @@ fn rotation(pose: &Pose) -> Rotation {
 /// Head turned about the trunk's long axis and then nodded so that it faces the hand.
 struct Sight {
     thorax: nalgebra::UnitQuaternion<f64>,
-    /// From the head to the hand in thorax axes, m.
-    to: Vec3,
     /// Turn to the left, rad, before it is held to the neck's range.
     turn: f64,
     /// Nod upward, rad, before it is held to the neck's range.
@@ -287,7 +281,7 @@ impl Sight {
     fn new(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Self {
         let to = thorax.rotation.inverse() * (hand - head_at);
         let (turn, nod) = ((-to.z).atan2(to.x), to.y.atan2(to.x.hypot(to.z)));
-        Self { thorax: thorax.rotation, to, turn, nod }
+        Self { thorax: thorax.rotation, turn, nod }
     }
 
     /// Turn and nod within the neck's range, rad.

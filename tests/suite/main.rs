@@ -19,7 +19,6 @@ mod docs;
 mod ergobench_cli;
 mod ergonomics_golden;
 mod ergonomics_properties;
-mod ergonomics_smooth;
 mod ergonomics_tables;
 mod evaluate_cli;
 mod fit_real;
