@@ -335,7 +335,8 @@ pub(super) fn at_knot(order: Order, knot: usize) -> Stencil {
 /// The label of a face of the box.
 pub(super) fn face_label(inner: &Box3, (axis, is_upper): (usize, bool)) -> String {
     let face = inner.face(axis, is_upper);
-    format!("face {} {} {}", face.axis, face.is_upper, face.at_m)
+    let sign = if face.is_upper { "<=" } else { ">=" };
+    format!("workspace box ({} {sign} {} m)", ["x", "y", "z"][face.axis], face.at_m)
 }
 
 #[cfg(test)]

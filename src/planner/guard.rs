@@ -4,18 +4,22 @@
 use super::objective::Figures;
 use super::preset::Objective;
 use super::result::{BodyScores, Bought, Price};
-use super::scored::MethodFigures;
 use crate::ergonomics::{PairedDifference, ScoringMethod, paired_difference};
 use crate::math::stats::mean;
 
+/// Least difference that counts: half of the last digit that is shown.
+const LEAST: f64 = 0.005;
 /// What a search adds for a point of score by which a path is worse than the straight one.
 const PENALTY: f64 = 1.0;
 
 /// The prices of a path, from its figures and the straight one's on the same repetitions, body by body.
 pub(super) fn prices(o: &Objective, this: &[Figures], straight: &[Figures]) -> Vec<Bought> {
-    let of = |f: &MethodFigures| (f.peak.clone(), f.per_metre.clone());
+    let of = |f: &Figures, m: ScoringMethod| {
+        let s = &f.scores[m];
+        [s.time_mean.clone(), s.peak.clone(), s.per_metre.clone()]
+    };
     let pairs = this.iter().zip(straight);
-    pairs.flat_map(|(a, b)| of_body(o, |m| [of(&a.scores[m]), of(&b.scores[m])])).collect()
+    pairs.flat_map(|(a, b)| of_body(o, |m| [of(a, m), of(b, m)])).collect()
 }
 
 /// The same from reported scores.
@@ -26,31 +30,36 @@ pub(super) fn reported_prices(
 ) -> Vec<Bought> {
     let of = |b: &BodyScores, m: ScoringMethod| {
         let s = &b.scores[m];
-        (s.peak_by_rollout.clone(), s.per_metre_by_rollout.clone())
+        [s.by_rollout.clone(), s.peak_by_rollout.clone(), s.per_metre_by_rollout.clone()]
     };
     let pairs = this.iter().zip(straight);
     pairs.flat_map(|(a, b)| of_body(o, |m| [of(a, m), of(b, m)])).collect()
 }
 
-/// Peaks and scores per metre, one for each repetition.
-type PeakAndMetre = (Vec<f64>, Vec<f64>);
+/// Means over time, peaks and scores per metre, one for each repetition.
+type Compared = [Vec<f64>; 3];
 
-/// Of the methods whose mean the objective lowers.
-fn of_body(o: &Objective, of: impl Fn(ScoringMethod) -> [PeakAndMetre; 2]) -> Vec<Bought> {
+/// Of the methods whose mean the objective lowers, and which is lower here: where it is not, nothing
+/// was bought.
+fn of_body(o: &Objective, of: impl Fn(ScoringMethod) -> [Compared; 2]) -> Vec<Bought> {
     let lowered = ScoringMethod::ALL.into_iter().filter(|m| o.weights(*m).all() != [0.0; 4]);
     let both = |method: ScoringMethod| {
-        let [this, straight] = of(method);
-        [
-            (Price::Peak, paired_difference(&this.0, &straight.0)),
-            (Price::PerMetre, paired_difference(&this.1, &straight.1)),
-        ]
-        .map(|(with, difference)| Bought { with, method, difference })
+        let [[mean_a, peak_a, metre_a], [mean_b, peak_b, metre_b]] = of(method);
+        let is_lower = mean(&mean_a) < mean(&mean_b);
+        let prices = [
+            (Price::Peak, paired_difference(&peak_a, &peak_b)),
+            (Price::PerMetre, paired_difference(&metre_a, &metre_b)),
+        ];
+        prices
+            .map(|(with, difference)| Bought { with, method, difference })
+            .into_iter()
+            .filter(move |b| is_lower && is_clearly_worse(&b.difference))
     };
-    lowered.flat_map(both).filter(|b| is_clearly_worse(&b.difference)).collect()
+    lowered.flat_map(both).collect()
 }
 
 fn is_clearly_worse(d: &PairedDifference) -> bool {
-    d.low95 > 0.0
+    d.low95 > 0.0 && d.mean > LEAST
 }
 
 /// What a search adds to the objective, so that it does not spend its paths on what cannot be the best.
@@ -59,7 +68,9 @@ pub(super) fn penalty(o: &Objective, this: &[Figures], straight: &[Figures]) -> 
     let of_method = |a: &Figures, b: &Figures, m: ScoringMethod| {
         let (a, b) = (&a.scores[m], &b.scores[m]);
         let is_lowered = o.weights(m).all() != [0.0; 4];
-        f64::from(u8::from(is_lowered))
+        let is_lower =
+            mean(&a.time_mean) < mean(&b.time_mean[..a.time_mean.len().min(b.time_mean.len())]);
+        f64::from(u8::from(is_lowered && is_lower))
             * (excess(&a.peak, &b.peak) + excess(&a.per_metre, &b.per_metre))
     };
     let of_body = |(a, b)| ScoringMethod::ALL.into_iter().map(|m| of_method(a, b, m)).sum::<f64>();
@@ -70,10 +81,11 @@ pub(super) fn penalty(o: &Objective, this: &[Figures], straight: &[Figures]) -> 
 mod tests {
     use super::*;
     use crate::ergonomics::PerMethod;
-    use crate::planner::load_preset;
+    use crate::planner::{MethodFigures, load_preset};
 
-    fn figures(peak: &[f64], per_metre: &[f64]) -> Figures {
+    fn figures(mean: f64, peak: &[f64], per_metre: &[f64]) -> Figures {
         let of = MethodFigures {
+            time_mean: vec![mean; 4],
             peak: peak.to_vec(),
             per_metre: per_metre.to_vec(),
             ..MethodFigures::default()
@@ -84,8 +96,8 @@ mod tests {
     #[test]
     fn a_lower_mean_may_not_cost_a_clearly_higher_peak() {
         let o = load_preset("default").unwrap().objective;
-        let straight = [figures(&[4.0, 5.0, 4.0, 5.0], &[3.0, 3.2, 3.1, 3.3])];
-        let higher = [figures(&[5.0, 6.0, 5.0, 6.0], &[2.9, 3.1, 3.0, 3.2])];
+        let straight = [figures(3.5, &[4.0, 5.0, 4.0, 5.0], &[3.0, 3.2, 3.1, 3.3])];
+        let higher = [figures(3.2, &[5.0, 6.0, 5.0, 6.0], &[2.9, 3.1, 3.0, 3.2])];
         let found = prices(&o, &higher, &straight);
         assert_eq!(
             found.iter().map(|b| (b.with, b.method)).collect::<Vec<_>>(),
@@ -93,8 +105,11 @@ mod tests {
         );
         assert!((found[0].difference.mean - 1.0).abs() < 1e-12);
         assert!((penalty(&o, &higher, &straight) - 1.0).abs() < 1e-12);
+        // Nothing was bought where the mean is no lower: another body's may be.
+        let dearer = [figures(3.6, &[5.0, 6.0, 5.0, 6.0], &[3.5, 3.7, 3.6, 3.8])];
+        assert!(prices(&o, &dearer, &straight).is_empty());
         // Better in both, and worse by no more than chance.
-        let lower = [figures(&[4.0, 4.0, 4.0, 4.0], &[3.2, 3.1, 3.2, 3.2])];
+        let lower = [figures(3.2, &[4.0, 4.0, 4.0, 4.0], &[3.2, 3.1, 3.2, 3.2])];
         assert!(prices(&o, &lower, &straight).is_empty());
     }
 }

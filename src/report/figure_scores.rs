@@ -126,8 +126,13 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
     let (top, row) = (150.0, 62.0);
     let height = (top + row * rows as f64 + 96.0) as u32;
     png("levels", (1600, height), |sheet| {
-        let title = "Share of time at each RULA action level";
-        sheet.text(title, (30.0, 36.0), Type::bold(TITLE), Anchor::Left)?;
+        let title = match view.body.filter(|_| bars.len() > view.reported.len()) {
+            Some(body) => {
+                format!("Share of time at each RULA action level, for {body} where none is named")
+            }
+            None => "Share of time at each RULA action level".to_owned(),
+        };
+        sheet.text(&title, (30.0, 36.0), Type::bold(TITLE), Anchor::Left)?;
         let keys: Vec<Key> = RULA_LEVELS
             .iter()
             .map(|l| {
@@ -152,7 +157,8 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
         sheet.text("share (%)", (middle, bottom + 58.0), Type::plain(LABEL), Anchor::Middle)?;
         for (i, (candidate, body)) in bars.iter().enumerate() {
             let y = top + row * (i as f64 + 0.5);
-            level_bar(sheet, (candidate, body), y, &along)?;
+            let is_verdicts = Some(body.body.as_str()) == view.body;
+            level_bar(sheet, (candidate, body, is_verdicts), y, &along)?;
         }
         Ok(())
     })
@@ -169,20 +175,23 @@ pub(super) fn level_rows<'a>(view: &View<'a>) -> Vec<(&'a CandidateResult, &'a B
     let of = |c: &&'a CandidateResult| {
         let c: &'a CandidateResult = c;
         let shown = move |b: &&BodyScores| is_verdicts(b) || is_shown_whole(c);
-        c.bodies.iter().filter(shown).map(move |b| (c, b)).collect::<Vec<_>>()
+        let mut rows: Vec<_> = c.bodies.iter().filter(shown).map(|b| (c, b)).collect();
+        rows.sort_by_key(|(_, b)| !is_verdicts(b));
+        rows
     };
     view.reported.iter().flat_map(of).collect()
 }
 
 fn level_bar(
     sheet: &Sheet,
-    (candidate, body): (&CandidateResult, &BodyScores),
+    (candidate, body, is_verdicts): (&CandidateResult, &BodyScores, bool),
     y: f64,
     along: &dyn Fn(f64) -> f64,
 ) -> Drawn {
     let rank = candidate.rank.map_or_else(String::new, |r| format!("{r}. "));
-    let whose = if candidate.bodies.len() > 1 { format!(", {}", body.body) } else { String::new() };
-    let name = format!("{rank}{}{whose}", candidate.id);
+    // Other bodies stand below that of the verdict.
+    let name =
+        if is_verdicts { format!("{rank}{}", candidate.id) } else { format!("for {}", body.body) };
     let name = sheet.shortened(&name, 290.0, Type::bold(LABEL));
     let bold = Type { bold: candidate.rank == Some(1), ..Type::plain(LABEL) };
     sheet.text(&name, (along(0.0) - 16.0, y), bold, Anchor::Right)?;

@@ -32,8 +32,7 @@ pub(super) fn variants(view: &View) -> Markup {
                     th scope="col" { "Path" }
                     th.n scope="col" { "Time at RULA action level 3+" span.small { "90 % band" } }
                     @for m in ScoringMethod::ALL {
-                        th.n scope="col" { "Expected " (m.name()) span.small { "90 % band; standard error" } }
-                        th.n scope="col" { (m.name()) " per metre" span.small { "peak" } }
+                        th.n scope="col" { "Expected " (m.name()) span.small { "90 % band; standard error; per metre; peak" } }
                     }
                     th.n scope="col" { "RULA, mean of the worst tenth" }
                     th.n scope="col" { "RULA 5+ for at least " (P_AT_LEAST_S) " s" span.small { "share of repetitions" } }
@@ -83,8 +82,8 @@ fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
                     (score(s.distribution.expected))
                     span.small { (score(s.distribution.p05)) " to " (score(s.distribution.p95)) }
                     span.small { "s.e. " (error(s.distribution.standard_error)) }
+                    span.small { (score(s.per_metre)) "; " (score(s.peak)) }
                 }
-                td.n { (score(s.per_metre)) span.small { (score(s.peak)) } }
             }
             td.n { (score(rula.cvar90)) }
             td.n { (percent(rula.p_at_least.get(5).copied().unwrap_or(0.0))) }
