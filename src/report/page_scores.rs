@@ -34,8 +34,7 @@ pub(super) fn variants(view: &View) -> Markup {
                     @for m in ScoringMethod::ALL {
                         th.n scope="col" { "Expected " (m.name()) span.small { "90 % band; standard error; per metre; peak" } }
                     }
-                    th.n scope="col" { "RULA, mean of the worst tenth" }
-                    th.n scope="col" { "RULA 5+ for at least " (P_AT_LEAST_S) " s" span.small { "share of repetitions" } }
+                    th.n scope="col" { "RULA, worst tenth" span.small { "5+ for " (P_AT_LEAST_S) " s" } }
                     th.n scope="col" { "RULA, difference to the best" span.small { "95 % interval" } }
                     th.n scope="col" { "Hand speed (m/s)" span.small { "acceleration (m/s²)" } }
                     th.n scope="col" { "Out of reach" }
@@ -48,7 +47,8 @@ pub(super) fn variants(view: &View) -> Markup {
             "Ranked by the planner's objective on other repetitions than those of the figures, so that the winner's figures \
              are not flattered by having been chosen; adjacent ranks may therefore swap. Per metre: mean over hand travel \
              instead of time, which does not depend on the timing. Peak: exceeded for 5 % of the time, median over repetitions. \
-             Mean of the worst tenth (CVaR90): the mean over the one repetition in ten that scores highest. 95 % interval: \
+             Worst tenth (CVaR90): the mean over the one repetition in ten that scores highest; below it the share of \
+             repetitions at RULA 5 or more for half a second in total. 95 % interval: \
              where the true mean difference lies, as far as the number of repetitions tells; all paths meet the same \
              repetitions. Out of reach: share of repetitions in which the hand cannot follow; from then on these count as the \
              worst score. "
@@ -85,8 +85,10 @@ fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
                     span.small { (score(s.per_metre)) "; " (score(s.peak)) }
                 }
             }
-            td.n { (score(rula.cvar90)) }
-            td.n { (percent(rula.p_at_least.get(5).copied().unwrap_or(0.0))) }
+            td.n {
+                (score(rula.cvar90))
+                span.small { (percent(rula.p_at_least.get(5).copied().unwrap_or(0.0))) }
+            }
             td.n { @if leads { "–" } @else { (difference(view, c)) } }
             td.n { @if let Some(p) = &c.path { (hand(&p.hand)) } }
             td.n { (percent(b.reach_exceeded)) }

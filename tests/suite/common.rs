@@ -3,17 +3,15 @@
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of these")]
 
 use assert_cmd::Command;
-use ergopath::human::{Body, Side};
-use ergopath::posture::{save_model, simulated_operator};
+use ergopath::posture::{load_model, save_model};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A folder with a scenario that plans fast, and a made-up posture model.
+/// A folder with a scenario that plans fast, and the shipped posture model as a file of its own.
 pub fn workplace() -> (TempDir, PathBuf) {
     let room = tempfile::tempdir().unwrap();
-    let body = Body::load("female_p50", Path::new(".")).unwrap();
-    let model = simulated_operator(&body, Side::Right).unwrap();
+    let (model, _) = load_model("demo_operator", Path::new(".")).unwrap();
     save_model(&model, &room.path().join("operator.json")).unwrap();
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench_pick_and_place.toml");
     let text = std::fs::read_to_string(shipped).unwrap();

@@ -36,7 +36,7 @@ fn runs_of_the_same_people_are_paired_and_others_are_not() {
         let result: Value = serde_json::from_str(&text).unwrap();
         let all = result["candidates"].as_array().unwrap();
         let best = all.iter().find(|c| c["id"] == result["verdict"]["best"]).unwrap();
-        let by_rollout = best["bodies"][0]["rula_by_rollout"].as_array().unwrap();
+        let by_rollout = best["bodies"][0]["rula"]["by_rollout"].as_array().unwrap();
         by_rollout.iter().map(|v| v.as_f64().unwrap()).collect()
     };
     let (high, low) = (people("high"), people("low"));

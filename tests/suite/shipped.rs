@@ -2,6 +2,7 @@
 
 use crate::common::ergopath;
 use assert_cmd::Command;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn project(path: &str) -> PathBuf {
@@ -35,18 +36,21 @@ fn the_kept_example_is_what_the_command_makes() {
     let room = tempfile::tempdir().unwrap();
     let output = room.path().join("out");
     plan(&project("scenarios/bench_pick_and_place.toml"), &output, "default").assert().success();
-    let rows = |path: PathBuf| -> Vec<Vec<String>> {
+    let rows = |path: PathBuf| -> Vec<BTreeMap<String, String>> {
         let mut reader = csv::Reader::from_path(path).unwrap();
-        reader.records().map(|r| r.unwrap().iter().map(str::to_owned).collect()).collect()
+        reader.deserialize().map(Result::unwrap).collect()
     };
     let kept = rows(project("reports/example/candidates.csv"));
     let made = rows(output.join("candidates.csv"));
     assert_eq!(kept.len(), made.len());
-    for old in kept.iter().filter(|r| r[4] == "reported") {
-        let new =
-            made.iter().find(|r| r[1] == old[1]).unwrap_or_else(|| panic!("{} is gone", old[1]));
+    for old in kept.iter().filter(|r| r["evaluated"] == "reported") {
+        let new = made
+            .iter()
+            .find(|r| r["id"] == old["id"])
+            .unwrap_or_else(|| panic!("{} is gone", old["id"]));
         // Another processor may round differently, which can move a frame over a threshold.
-        let (a, b): (f64, f64) = (old[5].parse().unwrap(), new[5].parse().unwrap());
-        assert!((a - b).abs() < 0.02, "{}: expected RULA {a} became {b}", old[1]);
+        let (a, b): (f64, f64) =
+            (old["expected_rula"].parse().unwrap(), new["expected_rula"].parse().unwrap());
+        assert!((a - b).abs() < 0.02, "{}: expected RULA {a} became {b}", old["id"]);
     }
 }
