@@ -26,6 +26,8 @@ const CHANCE: u32 = 1 << 20;
 /// Time over which somebody with history forgets where they were, s, and how fast they return there.
 const MEMORY_S: f64 = 1.5;
 const RETURN_PER_S: f64 = 1.0;
+/// Hand travel over which they go back to their usual posture, m.
+const HABIT_M: f64 = 0.2;
 /// Residuals as in a rollout of a model: corrected beyond, given up beyond, m.
 const CORRECT_BEYOND_M: f64 = 1e-4;
 const GIVE_UP_BEYOND_M: f64 = 1e-3;
@@ -153,9 +155,8 @@ fn by_law(
     start: &Start,
     rng: &mut ChaCha8Rng,
 ) -> Rollout {
-    let span = path.duration_s() / (path.len() - 1).max(1) as f64;
     let sampler = Sampler::new(law, Sampling::Pathwise);
-    let person = sampler.as_ref().map(|s| s.draw(rng, path.len(), span));
+    let person = sampler.as_ref().map(|s| s.draw(rng, path));
     roll_out(coupling, law, path, start, person.as_ref())
 }
 
@@ -199,7 +200,8 @@ impl TruePerson {
                 let (from, to) = (&path.targets()[k - 1], &path.targets()[k]);
                 let speed = (to.translation.vector - from.translation.vector).norm() / span;
                 let chance = &noise.factor * &drift * noise.gain(&[speed]);
-                match walk.advance((from, to), path.usual_posture(k), &chance, span) {
+                let usual = path.usual_posture(k);
+                match walk.advance((from, to), usual.as_ref(), (&chance, speed), span) {
                     Some(residual) => {
                         largest = largest.max(residual);
                         squares += residual * residual;
@@ -254,13 +256,13 @@ impl<'a> HistoryWalk<'a> {
         &mut self,
         (from, to): (&Pose, &Pose),
         usual: Option<&DVector<f64>>,
-        chance: &DVector<f64>,
+        (chance, speed): (&DVector<f64>, f64),
         span: f64,
     ) -> Option<f64> {
         let limits = self.coupling.limits();
         let h = span / SUBSTEPS as f64;
         self.solver.set_weight(self.weight(to.translation.vector.y - 0.15));
-        let rate = self.person.one.law.attraction.as_ref().map_or(0.0, |a| 0.5 * a.rate());
+        let rate = speed / HABIT_M;
         for step in 0..SUBSTEPS {
             let part = (step + 1) as f64 / SUBSTEPS as f64;
             let target = crate::math::pose::interpolate(from, to, part);
