@@ -66,7 +66,7 @@ fn rollouts(c: &mut Criterion) {
         let path = HandPath::new(&coupling, law, time.clone(), hands.clone());
         let sampler = Sampler::new(law, Sampling::Pathwise).unwrap();
         let people: Vec<_> = (0..starts.len() as u32)
-            .map(|r| sampler.draw(&mut stream(1, Purpose::Posture, 1, r), STEPS + 1, DT_S))
+            .map(|r| sampler.draw(&mut stream(1, Purpose::Posture, 1, r), &path))
             .collect();
         // Who loses the path would walk fewer steps than are counted.
         let walkers: Vec<(&Start, _)> = starts

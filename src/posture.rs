@@ -20,6 +20,7 @@ mod behaviour;
 mod conditional;
 mod coupling;
 mod file;
+mod hand_path;
 mod inducing;
 mod kernel;
 mod law;
@@ -32,20 +33,21 @@ mod simulated;
 mod start;
 mod step;
 
-pub use attraction::{Attraction, HandFeatures, UsualPosture};
+pub use attraction::{Attraction, HandFeatures, Pull, UsualPosture};
 pub use behaviour::Behaviour;
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, model_text, save_model};
+pub use hand_path::HandPath;
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Floors, Person, PostureLaw, Prediction, Query, Sampler, Sampling};
 pub use model::{
     Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
 };
-pub use noise::{Noise, NoisePath, NoiseShares, gain, speed_squared};
+pub use noise::{Clock, Drift, DriftPath, Noise, NoisePath, NoiseShares, gain, speed_squared};
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};
-pub use rollout::{HandPath, Rollout, roll_out};
+pub use rollout::{Rollout, roll_out};
 pub use simulated::{simulated_operator, simulated_person};
 pub use start::{Start, StartRule, start_postures};
 pub use step::{ReachExceeded, StepSolver};

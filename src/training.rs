@@ -61,7 +61,7 @@ pub use noise_fit::learn_noise;
 pub use rollout_check::{
     Bands, RolloutScore, Walking, check_rollouts, learn_walking, path_error_deg,
 };
-pub use settings::{Lengths, Objective, Optimiser, TrainSettings};
+pub use settings::{Lengths, Objective, Optimiser, PullRule, TrainSettings};
 pub use simulated_movements::{Reach, SimulatedMovements};
 pub use size_experiment::{SizeExperiment, SizeQuestion, SizeRow, size_experiment};
 pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};

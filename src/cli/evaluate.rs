@@ -10,7 +10,7 @@ use crate::kinematics::{Linkage, read_urdf};
 use crate::posture::{Hold, Method, Sampling};
 use crate::training::{
     DataFile, Dataset, Evaluation, Fold, Judging, Lengths, MethodScore, Objective, Optimiser,
-    TrainSettings, Trial, evaluate, read_data,
+    PullRule, TrainSettings, Trial, evaluate, read_data,
 };
 use std::path::{Path, PathBuf};
 
@@ -75,9 +75,11 @@ pub(super) struct Args {
     /// Number of inducing centres; by default the number that held-out blocks ask for.
     #[arg(long, value_name = "M")]
     inducing: Option<usize>,
-    /// Walk without the pull towards the person's own postures.
-    #[arg(long)]
-    no_attraction: bool,
+    /// How people who walk are pulled towards their own postures: by the hand's travel (per-metre, the
+    /// default with --body), by time (per-second, the default with --chain and --independent), or not
+    /// at all (none). Joint errors are shown for all three.
+    #[arg(long, value_parser = parse_pull, value_name = "RULE")]
+    pull: Option<PullRule>,
     /// Draw people as published: a fresh joint velocity at each sample, not calibrated.
     #[arg(long)]
     independent: bool,
@@ -145,6 +147,10 @@ fn by_name<T: Copy>(text: &str, all: &[T], name: fn(T) -> &'static str) -> Resul
 
 pub(super) fn parse_objective(text: &str) -> Result<Objective, String> {
     by_name(text, &Objective::ALL, Objective::name)
+}
+
+pub(super) fn parse_pull(text: &str) -> Result<PullRule, String> {
+    by_name(text, &PullRule::ALL, PullRule::name)
 }
 
 pub(super) fn parse_optimiser(text: &str) -> Result<Optimiser, String> {
@@ -233,7 +239,7 @@ fn settings(args: &Args) -> Result<TrainSettings, InputError> {
         noise_ratio_floor: args.noise_ratio_floor,
         exact_samples: args.exact_samples,
         inducing: args.inducing,
-        has_attraction: !args.no_attraction,
+        pull: args.pull,
         sampling: if args.independent { Sampling::Independent } else { Sampling::Pathwise },
         seed: args.seed,
         ..TrainSettings::default()

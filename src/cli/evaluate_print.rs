@@ -32,6 +32,10 @@ pub(super) fn as_json(
                 json!({
                     "path_error_deg": walk(|r| r.path_error_deg),
                     "pulled_path_error_deg": walk(|r| r.pulled_path_error_deg),
+                    "per_metre_path_error_deg": walk(|r| r.rule_error_deg.0),
+                    "per_second_path_error_deg": walk(|r| r.rule_error_deg.1),
+                    "rest_deg_s": walk(|r| r.rest_deg_s.0),
+                    "recorded_rest_deg_s": recorded_rest(&s.rollouts),
                     "drift_deg": walk(|r| r.drift_deg.0),
                     "pulled_drift_deg": walk(|r| r.drift_deg.1),
                     "coverage_50": walk(|r| r.bands.coverage_50),
@@ -122,9 +126,11 @@ pub(super) fn print_text(
         say!("\nRollouts along held-out paths, from the true first posture:");
         say!("{}", walks(merged));
         say!(
-            "  Joint error: rms over joints, mean over time, without noise. Round trips: three there and \
-             back. Bands: 100\n  sampled people; the noise is calibrated on blocks of the training part \
-             only."
+            "  Joint error along the path, rms over joints, mean over time, without noise: without a pull \
+             and with one by\n  time or by hand travel. At rest: joint speed of sampled people whose hand \
+             rests{}. Round trips:\n  three there and back. Bands: 100 sampled people; the noise is \
+             calibrated on the training part only.",
+            recorded_text(merged)
         );
     }
     say!("\nIdentified W (diagonal, scaled to mean 1; geometric mean over splits):");
@@ -152,6 +158,17 @@ pub(super) fn print_text(
             );
         }
     }
+}
+
+/// Mean recorded joint speed at rest over splits, deg/s; none where no hand rests.
+fn recorded_rest(rollouts: &[RolloutScore]) -> Option<f64> {
+    let known: Vec<f64> = rollouts.iter().filter_map(|r| r.rest_deg_s.1).collect();
+    (!known.is_empty()).then(|| crate::math::stats::mean(&known))
+}
+
+fn recorded_text(merged: &[MethodScore]) -> String {
+    let known = merged.first().and_then(|s| recorded_rest(&s.rollouts));
+    known.map_or_else(String::new, |v| format!(" (recorded, hand below 0.02 m/s: {v:.1} deg/s)"))
 }
 
 fn spread_text(s: Percentiles, digits: usize) -> String {
@@ -212,8 +229,10 @@ fn figures(merged: &[MethodScore]) -> Table {
 fn walks(merged: &[MethodScore]) -> Table {
     let header = [
         "method",
-        "joint error",
-        "with pull",
+        "no pull",
+        "per second",
+        "per metre",
+        "at rest",
         "3 round trips",
         "with pull",
         "in 50 %",
@@ -231,7 +250,9 @@ fn walks(merged: &[MethodScore]) -> Table {
         table.add_row([
             s.method.name().to_owned(),
             deg(of(|r| r.path_error_deg)),
-            deg(of(|r| r.pulled_path_error_deg)),
+            deg(of(|r| r.rule_error_deg.1)),
+            deg(of(|r| r.rule_error_deg.0)),
+            format!("{:.1} deg/s", of(|r| r.rest_deg_s.0)),
             deg(of(|r| r.drift_deg.0)),
             deg(of(|r| r.drift_deg.1)),
             percent(of(|r| r.bands.coverage_50)),

@@ -9,7 +9,7 @@ use crate::report::{BoxPanel, box_plots};
 use crate::training::toy5r::ToyConstants;
 use crate::training::toy5r_paper::{PAPER_5R, open_constants};
 use crate::training::{
-    Objective, Percentiles, ToyResult, ToyScore, TrainSettings, run_calibration, run_toy,
+    Objective, Percentiles, PullRule, ToyResult, ToyScore, TrainSettings, run_calibration, run_toy,
     toy_methods,
 };
 use comfy_table::{CellAlignment, Table, presets};
@@ -41,9 +41,10 @@ struct CalibrationArgs {
     /// Seed of chain, weights and noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Without the pull towards the postures of the training trajectories.
-    #[arg(long)]
-    no_attraction: bool,
+    /// How postures are pulled towards those of the training trajectories: per-second (the default: the
+    /// chain moves by time), per-metre or none.
+    #[arg(long, value_parser = super::evaluate::parse_pull, value_name = "RULE")]
+    pull: Option<PullRule>,
     /// What the search for weights and kernel parameters maximises; by default leave-trial-out.
     #[arg(long, value_parser = super::evaluate::parse_objective)]
     objective: Option<Objective>,
@@ -313,11 +314,8 @@ fn verdicts(result: &ToyResult) -> Vec<String> {
 }
 
 fn calibration(args: &CalibrationArgs) -> Result<Outcome, Failure> {
-    let settings = TrainSettings {
-        has_attraction: !args.no_attraction,
-        objective: args.objective,
-        ..TrainSettings::default()
-    };
+    let settings =
+        TrainSettings { pull: args.pull, objective: args.objective, ..TrainSettings::default() };
     let progress = Progress::new();
     let tell = |done: usize| progress.tell("cells", done, 6);
     let cells = run_calibration(args.seed, &settings, &tell)?

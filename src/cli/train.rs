@@ -1,5 +1,6 @@
 //! `ergopath train`: learns a posture model from recordings and judges it on held-out movement.
 
+use super::evaluate::parse_pull;
 use super::train_print::{print_json, print_text};
 use super::{Failure, Outcome};
 use crate::files::{InputError, Outputs, suggest};
@@ -8,8 +9,8 @@ use crate::posture::{MODEL_SCHEMA, Method, PostureModel, Provenance, model_text}
 use crate::recording::read;
 use crate::report::{Learned, ReportError, held_out_figure, weights_figure};
 use crate::training::{
-    Dataset, FitReport, FitSettings, TrainSettings, Trial, data_csv, fit, held_out_curves,
-    read_motion, train, weight_spread,
+    Dataset, FitReport, FitSettings, PullRule, TrainSettings, Trial, data_csv, fit,
+    held_out_curves, read_motion, train, weight_spread,
 };
 use crate::words::number::percent;
 use std::path::{Path, PathBuf};
@@ -43,9 +44,10 @@ pub(super) struct Args {
     /// and `held_out.png`, predicted against recorded joint angles of a movement that was held out.
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// Do not pull towards the person's own postures.
-    #[arg(long)]
-    no_attraction: bool,
+    /// How the model pulls towards the person's own postures: by the hand's travel (per-metre, the
+    /// default), by time (per-second), or not at all (none).
+    #[arg(long, value_parser = parse_pull, value_name = "RULE")]
+    pull: Option<PullRule>,
     /// Also write what the model was learned from, as plain numbers.
     #[arg(long, value_name = "DATA.csv")]
     export: Option<PathBuf>,
@@ -91,7 +93,7 @@ pub(super) struct Wanted<'a> {
 /// Trains and writes the model.
 pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let body = Body::load(&args.body, Path::new("."))?;
-    let settings = TrainSettings { has_attraction: !args.no_attraction, ..Default::default() };
+    let settings = TrainSettings { pull: args.pull, ..Default::default() };
     let wanted = Wanted { person: args.person.as_deref(), side: args.side, body: &body };
     let sources: Result<Vec<Source>, InputError> =
         args.recordings.iter().map(|path| source(path, &wanted)).collect();

@@ -1,7 +1,7 @@
 //! What `train` says: the recordings, the quality of the methods, and what was learned.
 
 use super::train::Source;
-use crate::posture::{Method, MethodQuality, PostureModel};
+use crate::posture::{Clock, Method, MethodQuality, Noise, PostureModel};
 use crate::training::Dataset;
 use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
@@ -32,7 +32,7 @@ pub(super) fn print_json(
                 "rank": model.law.noise.factor.ncols(),
                 "shares": model.law.noise.shares,
                 "correlation_time_s": model.law.noise.correlation_time_s,
-                "speed_share": model.law.noise.speed_share,
+                "clock": model.law.noise.clock,
             },
             "figures": figures,
             "model": {"name": model.name, "method": model.method, "provenance": model.provenance},
@@ -64,17 +64,7 @@ pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureM
     let groups = model.weight_by_group().into_iter();
     let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {}", percent(s))).collect();
     say!("\nW of {} by joint group: {}", model.method.name(), groups.join(", "));
-    let noise = &model.law.noise;
-    say!(
-        "noise: {} directions; {} of the variance white, {} correlated over {:.2} s, {} lasting a whole \
-         movement;\n  {} of it grows with the hand speed",
-        noise.factor.ncols(),
-        percent(noise.shares.white),
-        percent(noise.shares.correlated),
-        noise.correlation_time_s,
-        percent(noise.shares.lasting),
-        percent(noise.speed_share)
-    );
+    say!("noise: {}", noise_text(&model.law.noise));
     if dataset.trials < 3 {
         say!("  (from {} movement(s): what lasts a whole movement cannot be told)", dataset.trials);
     }
@@ -86,6 +76,33 @@ pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureM
         model.method.name(),
         dataset.frames.len()
     );
+}
+
+/// What differs between repetitions, in words.
+fn noise_text(noise: &Noise) -> String {
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let parts = |correlated_over: String| {
+        format!(
+            "{} directions; {} of the variance white, {} correlated over {correlated_over}, {} lasting a \
+             whole movement",
+            noise.factor.ncols(),
+            percent(noise.shares.white),
+            percent(noise.shares.correlated),
+            percent(noise.shares.lasting),
+        )
+    };
+    match noise.clock {
+        Clock::Hand { speed_m_s, drift } => format!(
+            "{};\n  none of it while the hand rests: then joints drift at {:.1} deg/s rms",
+            parts(format!("{:.2} m of hand travel", noise.correlation_time_s * speed_m_s)),
+            drift.speed_rad_s.to_degrees()
+        ),
+        Clock::Seconds { speed_share, .. } => format!(
+            "{};\n  {} of it grows with the hand speed",
+            parts(format!("{:.2} s", noise.correlation_time_s)),
+            percent(speed_share)
+        ),
+    }
 }
 
 fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {

@@ -188,10 +188,9 @@ impl Behaviour for TruePerson {
             Nature::Model(model) => {
                 let law = &model.law;
                 let hand = HandPath::new(coupling, law, path.0.to_vec(), path.1.to_vec());
-                let span = hand.duration_s() / (hand.len() - 1).max(1) as f64;
                 let sampler = Sampler::new(law, Sampling::Pathwise);
                 each(&|i, start| {
-                    let person = sampler.as_ref().map(|s| s.draw(&mut own(i), hand.len(), span));
+                    let person = sampler.as_ref().map(|s| s.draw(&mut own(i), &hand));
                     roll_out(coupling, law, &hand, start, person.as_ref())
                 })
             }

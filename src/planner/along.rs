@@ -3,6 +3,7 @@
 
 use super::result::{Bend, HandMotion, PathData, TimingDifference};
 use crate::math::{Pose, Vec3};
+use crate::trajectory::TimedPath;
 
 /// Shares of time, and of the way, at which two paths are compared.
 const PLACES: usize = 50;
@@ -44,19 +45,25 @@ struct Progress {
     time: Vec<f64>,
     covered: Vec<f64>,
     points: Vec<Vec3>,
+    /// s.
+    duration: f64,
 }
 
 impl Progress {
-    fn of(path: &PathData) -> Option<Self> {
-        let points: Vec<Vec3> = path.tcp.iter().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
+    /// None for fewer than two samples.
+    fn of(time_s: &[f64], points: Vec<Vec3>) -> Option<Self> {
+        if points.len() < 2 || points.len() != time_s.len() {
+            return None;
+        }
         let mut covered = vec![0.0];
         for w in points.windows(2) {
             covered.push(covered.last()? + (w[1] - w[0]).norm());
         }
-        let (whole, duration) = (*covered.last()?, path.time_s.last()? - path.time_s.first()?);
+        let (whole, duration) = (*covered.last()?, time_s.last()? - time_s.first()?);
         let share = |x: f64, of: f64| if of > 0.0 { x / of } else { 0.0 };
-        let time = path.time_s.iter().map(|t| share(t - path.time_s[0], duration)).collect();
-        Some(Self { time, covered: covered.into_iter().map(|c| share(c, whole)).collect(), points })
+        let time = time_s.iter().map(|t| share(t - time_s[0], duration)).collect();
+        let covered = covered.into_iter().map(|c| share(c, whole)).collect();
+        Some(Self { time, covered, points, duration })
     }
 
     /// Share of the way at a share of the time.
@@ -82,17 +89,28 @@ fn place(rising: &[f64], at: f64) -> (usize, f64) {
 
 /// How the timing of two paths differs; none for paths of fewer than two samples.
 pub(super) fn timing_difference(a: &PathData, b: &PathData) -> Option<TimingDifference> {
-    let long = |p: &&PathData| p.tcp.len() >= 2 && p.tcp.len() == p.time_s.len();
-    let (of_a, of_b) = (Progress::of(Some(a).filter(long)?)?, Progress::of(Some(b).filter(long)?)?);
+    let of = |p: &PathData| {
+        let points = p.tcp.iter().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
+        Progress::of(&p.time_s, points)
+    };
+    Some(between(&of(a)?, &of(b)?))
+}
+
+/// The same of paths that are not reported yet.
+pub(super) fn timing_between(a: &TimedPath, b: &TimedPath) -> Option<TimingDifference> {
+    let of = |p: &TimedPath| {
+        Progress::of(&p.time_s, p.poses.iter().map(|x| x.translation.vector).collect())
+    };
+    Some(between(&of(a)?, &of(b)?))
+}
+
+fn between(a: &Progress, b: &Progress) -> TimingDifference {
     let shares = || (0..=PLACES).map(|i| i as f64 / PLACES as f64);
-    let duration = |p: &PathData| p.time_s[p.time_s.len() - 1] - p.time_s[0];
-    Some(TimingDifference {
-        progress: shares().map(|u| (of_a.at_time(u) - of_b.at_time(u)).abs()).fold(0.0, f64::max),
-        duration_ratio: duration(a) / duration(b),
-        route_apart_m: shares()
-            .map(|s| (of_a.at_way(s) - of_b.at_way(s)).norm())
-            .fold(0.0, f64::max),
-    })
+    TimingDifference {
+        progress: shares().map(|u| (a.at_time(u) - b.at_time(u)).abs()).fold(0.0, f64::max),
+        duration_ratio: a.duration / b.duration,
+        route_apart_m: shares().map(|s| (a.at_way(s) - b.at_way(s)).norm()).fold(0.0, f64::max),
+    }
 }
 
 #[cfg(test)]

@@ -185,7 +185,7 @@ impl<'a> Person<'a> {
             .zip(people)
             .map(|(start, r)| {
                 let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
-                let person = self.sampler.person(functions[r].clone(), &mut rng, hand.len(), dt);
+                let person = self.sampler.person(functions[r].clone(), &mut rng, &hand);
                 let rollout = roll_out(&self.coupling, &model.law, &hand, &start, Some(&person));
                 let angles = rollout.q.iter().map(|q| self.surveyor.measure(q)).collect();
                 Walk { rollout, angles, start }

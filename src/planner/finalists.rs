@@ -29,12 +29,14 @@ pub(super) struct Finalist {
     pub value: Option<f64>,
     /// In which figures it is clearly worse than the straight path on these repetitions.
     pub bought: Vec<Bought>,
+    /// Whether its timing allows it to be the best.
+    pub keeps_timing: bool,
 }
 
 impl Finalist {
     /// Not judged yet.
     fn new(prepared: Prepared, is_kept: bool) -> Self {
-        Self { prepared, is_kept, value: None, bought: Vec::new() }
+        Self { prepared, is_kept, value: None, bought: Vec::new(), keeps_timing: true }
     }
 }
 
@@ -208,7 +210,8 @@ fn by_value(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
 
 /// The same, those that cannot be the best last.
 fn by_worth(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
-    a.bought.is_empty().cmp(&b.bought.is_empty()).reverse().then(by_value(a, b))
+    let is_worthy = |f: &Finalist| f.bought.is_empty() && f.keeps_timing;
+    is_worthy(a).cmp(&is_worthy(b)).reverse().then(by_value(a, b))
 }
 
 /// Sends people along some of the pool and sets their values.
@@ -242,6 +245,7 @@ fn measure(
         let value = objective(&environment.preset.objective, &figures[i], terms);
         pool[i].value = is_usable.then_some(value);
         let straight = straight.as_deref().unwrap_or_default();
+        pool[i].keeps_timing = environment.keeps_timing(&pool[i].prepared);
         pool[i].bought = prices(&environment.preset.objective, &figures[i], straight);
     }
     Ok(())
@@ -271,6 +275,7 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             chosen,
             bend: None,
             timing: None,
+            other_timing: false,
             bought: Vec::new(),
             objective: (t.people > 0).then_some(t.value),
             bodies: Vec::new(),

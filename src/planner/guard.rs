@@ -1,11 +1,17 @@
 //! What a lower mean may not be bought with: along the best path neither the peak nor the score per
-//! metre of hand travel is worse than along the straight one, beyond the Monte Carlo error.
+//! metre of hand travel is worse than along the straight one, beyond the Monte Carlo error; and unless
+//! the timing is free, it is that of the straight path. (A path far too long for its duration would
+//! otherwise be squeezed by its limits until it lingers where posture is good.)
 
+use super::along::timing_between;
 use super::objective::Figures;
+use super::pipeline::Environment;
+use super::prepare::Prepared;
 use super::preset::Objective;
-use super::result::{BodyScores, Bought, Price};
+use super::result::{BodyScores, Bought, Price, TimingDifference};
 use crate::ergonomics::{PairedDifference, ScoringMethod, paired_difference};
 use crate::math::stats::mean;
+use crate::scenario::Freedom;
 
 /// Least difference that counts: half of the last digit that is shown.
 const LEAST: f64 = 0.005;
@@ -75,6 +81,37 @@ pub(super) fn penalty(o: &Objective, this: &[Figures], straight: &[Figures]) -> 
     };
     let of_body = |(a, b)| ScoringMethod::ALL.into_iter().map(|m| of_method(a, b, m)).sum::<f64>();
     PENALTY * this.iter().zip(straight).map(of_body).fold(0.0, f64::max)
+}
+
+/// What a search adds for a share of the way by which a path's progress leaves the straight one's, beyond
+/// most of what still counts as the same timing.
+const TIMING_PENALTY: f64 = 20.0;
+const TIMING_ROOM: f64 = 0.8;
+
+impl Environment<'_> {
+    /// Whether paths have to keep the straight one's timing.
+    pub(super) fn holds_timing(&self) -> bool {
+        let free = &self.scenario.free;
+        free.pace_spread.is_none() && free.range(Freedom::Dwell).is_none()
+    }
+
+    /// Largest difference of progress from the straight path; 0 where the timing need not be held.
+    fn progress_apart(&self, p: &Prepared) -> f64 {
+        let paths = p.path.as_ref().zip(self.straight.as_ref().and_then(|s| s.path.as_ref()));
+        let apart = paths.filter(|_| self.holds_timing()).and_then(|(a, b)| timing_between(a, b));
+        apart.map_or(0.0, |t| t.progress)
+    }
+
+    /// What a search adds for another timing than the straight path's.
+    pub(super) fn timing_penalty(&self, p: &Prepared) -> f64 {
+        let room = TIMING_ROOM * TimingDifference::PROGRESS;
+        TIMING_PENALTY * (self.progress_apart(p) - room).max(0.0)
+    }
+
+    /// Whether a path's timing allows it to be the best.
+    pub(super) fn keeps_timing(&self, p: &Prepared) -> bool {
+        self.progress_apart(p) <= TimingDifference::PROGRESS
+    }
 }
 
 #[cfg(test)]

@@ -208,6 +208,10 @@ fn run(
         result.bought.clone_from(&finalist.bought);
         let both = result.path.as_ref().zip(straight_path.as_ref());
         result.timing = both.and_then(|(a, b)| timing_difference(a, b));
+        result.other_timing = match result.family {
+            Family::Drawn => result.timing.is_some_and(|t| !t.is_same()),
+            _ => !finalist.keeps_timing,
+        };
         for price in reported_prices(&preset.objective, &result.bodies, &straight) {
             let is_known = |b: &Bought| (b.with, b.method) == (price.with, price.method);
             if !result.bought.iter().any(is_known) {
@@ -371,6 +375,7 @@ fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
         chosen: Vec::new(),
         bend: None,
         timing: None,
+        other_timing: false,
         bought: Vec::new(),
         objective: None,
         bodies: Vec::new(),

@@ -192,6 +192,10 @@ pub struct CandidateResult {
     pub bend: Option<Bend>,
     /// How its timing differs from that of the straight path; none without one.
     pub timing: Option<TimingDifference>,
+    /// It keeps another timing than the straight path although the timing is not free, so that a lower
+    /// mean may be for that reason alone: it is not the best.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub other_timing: bool,
     /// Why a path with a lower objective than the best is not the best.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bought: Vec<Bought>,
@@ -499,8 +503,8 @@ pub struct TimingDifference {
 
 impl TimingDifference {
     /// Largest differences that count as the same timing: what limits and obstacles bend the
-    /// minimum-jerk law by, and 2 % of the duration.
-    const PROGRESS: f64 = 0.12;
+    /// minimum-jerk law by (constant speed differs from it by 0.15), and 2 % of the duration.
+    pub(super) const PROGRESS: f64 = 0.1;
     const DURATION: f64 = 0.02;
     /// Largest distance of routes that count as one, m.
     const ROUTE_M: f64 = 0.005;

@@ -214,7 +214,11 @@ fn judge(
         Gauge::Sure(law) => {
             let values: Vec<f64> = alive
                 .par_iter()
-                .map(|&i| at(i).map_or(INFEASIBLE, |p| environment.surely(p, law)))
+                .map(|&i| {
+                    at(i).map_or(INFEASIBLE, |p| {
+                        environment.surely(p, law) + environment.timing_penalty(p)
+                    })
+                })
                 .collect();
             for (i, value) in alive.into_iter().zip(values) {
                 judged[i] = (value, 1);
@@ -245,8 +249,9 @@ fn judge(
                     let terms = at(i).map_or(nothing, |p| environment.terms_in_search(p));
                     let o = &environment.preset.objective;
                     let straight = straight.as_deref().unwrap_or_default();
-                    let value =
-                        objective(o, &figures[i], terms) + penalty(o, &figures[i], straight);
+                    let value = objective(o, &figures[i], terms)
+                        + penalty(o, &figures[i], straight)
+                        + at(i).map_or(0.0, |p| environment.timing_penalty(p));
                     judged[i] = (value, wanted);
                 }
                 if wanted >= most || alive.len() <= 1 {

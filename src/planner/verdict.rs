@@ -28,13 +28,11 @@ const SAME_FIGURE: f64 = 1e-9;
 
 /// Whether a reported path may be called the best.
 pub(super) fn is_eligible(c: &CandidateResult) -> bool {
-    // With a timing of its own the user's path may have a lower mean for that reason alone.
-    let is_timed_alike = c.family != Family::Drawn || c.timing.is_none_or(|t| t.is_same());
     c.status == Status::Feasible
         && c.evaluated == Evaluated::Reported
         && c.bought.is_empty()
         && c.ends.is_none()
-        && is_timed_alike
+        && !c.other_timing
 }
 
 /// The path that the figures are about: the best, or the user's own where these are only assessed;
@@ -160,9 +158,7 @@ fn gain(candidates: &[CandidateResult], lead: &CandidateResult, body: &BodyScore
             timing: retimed.as_ref().map(&over),
         }
     });
-    // Of a path with another timing only what is free to choose may be called its gain.
-    let is_fair = is_timed || lead.timing.is_some_and(|t| t.is_same());
-    (lead.family != Family::Straight && lead.ends.is_none() && is_fair)
+    (lead.family != Family::Straight && lead.ends.is_none() && !lead.other_timing)
         .then(|| Gain { body: body.body.clone(), scores })
 }
 
@@ -349,7 +345,7 @@ impl Known<'_> {
     /// Paths with a lower objective than the best that are not the best for what they cost.
     fn bought(&self) -> Vec<Finding> {
         let before = self.candidates.iter().take_while(|c| c.id != self.lead.id);
-        let bought = before.filter(|c| !c.bought.is_empty());
+        let bought = before.filter(|c| !c.bought.is_empty() || c.other_timing);
         bought.map(|c| Finding::LowerMeanNotBest { path: c.id.clone() }).collect()
     }
 

@@ -1,12 +1,20 @@
 //! The pull towards the person's own postures: where the hand is, which posture is usual there?
 //!
 //! ```text
-//! z = lambda c(x)^2 (m(x) - q)     m(x) = mu + k(x, X) (K + s I)^-1 (Q - mu)
+//! m(x) = mu + k(x, X) (K + s I)^-1 (Q - mu)
 //! c(x) = k(x, X) (K + s I)^-1 k(X, x)   (share of the prior variance that the data explain)
 //! ```
 //! `x` is the hand pose relative to the pelvis, `Q` the training postures, `k` a squared exponential
-//! on standardised features. Far from the training data `c` goes to 0 and the pull fades.
+//! on standardised features. Far from the training data `c` goes to 0 and the pull fades: t = c^2. Over
+//! a step in which the hand goes from x to x+ by ds metres, in h seconds, it moves the posture by
+//!
+//! ```text
+//! per metre    t (m(x+) - m(x)) + (1 - exp(-t ds / ell)) (m(x) - q)      a resting hand is left alone
+//! per second   (1 - exp(-t lambda h)) (m(x) - q)
+//! ```
+//! exactly, whatever the size of the step.
 
+use super::noise::speed_squared;
 use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, UnitQuaternion};
@@ -58,11 +66,27 @@ impl HandFeatures {
     }
 }
 
-/// Kernel regression of the posture on the hand pose, and the rate of the pull.
+/// How strong the pull is, and what it goes by.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "per", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Pull {
+    /// By the hand's travel (rotations counted at 0.3 m/rad), along the usual postures.
+    Metre {
+        /// ell: travel after which 1/e of a departure is left, m.
+        length_m: f64,
+    },
+    /// By time.
+    Second {
+        /// lambda, 1/s.
+        rate_per_s: f64,
+    },
+}
+
+/// Kernel regression of the posture on the hand pose, and the pull.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(from = "Stored", into = "Stored")]
 pub struct Attraction {
-    rate: f64,
+    pull: Pull,
     length_scale: f64,
     noise: f64,
     features: HandFeatures,
@@ -77,7 +101,7 @@ pub struct Attraction {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
-    rate_per_s: f64,
+    pull: Pull,
     length_scale: f64,
     noise_variance: f64,
     features: HandFeatures,
@@ -88,7 +112,7 @@ struct Stored {
 impl From<Stored> for Attraction {
     fn from(s: Stored) -> Self {
         Self::assemble(
-            s.rate_per_s,
+            s.pull,
             s.length_scale,
             s.noise_variance,
             s.features,
@@ -101,7 +125,7 @@ impl From<Stored> for Attraction {
 impl From<Attraction> for Stored {
     fn from(a: Attraction) -> Self {
         Self {
-            rate_per_s: a.rate,
+            pull: a.pull,
             length_scale: a.length_scale,
             noise_variance: a.noise,
             features: a.features,
@@ -132,9 +156,8 @@ impl UsualPosture {
 }
 
 impl Attraction {
-    /// Fits the regression. `hands` are poses in the pelvis frame, `postures` N x n (rad); `rate` in
-    /// 1/s, `length_scale` in standard deviations of the features, `noise` relative to the signal's
-    /// variance.
+    /// Fits the regression. `hands` are poses in the pelvis frame, `postures` N x n (rad);
+    /// `length_scale` in standard deviations of the features, `noise` relative to the signal's variance.
     ///
     /// # Panics
     /// When hands and postures differ in number.
@@ -142,18 +165,18 @@ impl Attraction {
         hands: &[Pose],
         postures: DMatrix<f64>,
         stature_m: f64,
-        rate: f64,
+        pull: Pull,
         length_scale: f64,
         noise: f64,
     ) -> Self {
         assert_eq!(hands.len(), postures.nrows(), "one hand pose for each posture");
         let features = HandFeatures::fit(hands, stature_m);
         let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
-        Self::assemble(rate, length_scale, noise, features, inputs, postures)
+        Self::assemble(pull, length_scale, noise, features, inputs, postures)
     }
 
     fn assemble(
-        rate: f64,
+        pull: Pull,
         length_scale: f64,
         noise: f64,
         features: HandFeatures,
@@ -174,12 +197,56 @@ impl Attraction {
         let coefficients = factor
             .as_ref()
             .map_or_else(|| DMatrix::zeros(count, postures.ncols()), |f| f.solve(&centred));
-        Self { rate, length_scale, noise, features, inputs, postures, mean, coefficients, factor }
+        Self { pull, length_scale, noise, features, inputs, postures, mean, coefficients, factor }
     }
 
-    /// Rate of the pull lambda, 1/s.
-    pub fn rate(&self) -> f64 {
-        self.rate
+    /// What the pull goes by.
+    pub fn pull(&self) -> Pull {
+        self.pull
+    }
+
+    /// Adds to `out` (n, rad) what the pull does to a posture `q` while the hand goes from where `a` is
+    /// usual to where `b` is: by `travel_m` in `time_s`.
+    pub(super) fn add_pull(
+        &self,
+        out: &mut DVector<f64>,
+        (a, b): (&UsualPosture, &UsualPosture),
+        q: &DVector<f64>,
+        (travel_m, time_s): (f64, f64),
+    ) {
+        let trust = 0.5 * (a.trust() + b.trust());
+        let (along, gone) = match self.pull {
+            Pull::Metre { length_m } => (trust, travel_m / length_m),
+            Pull::Second { rate_per_s } => (0.0, rate_per_s * time_s),
+        };
+        let back = -(-trust * gone).exp_m1();
+        let usual = a.posture.iter().zip(&b.posture);
+        for ((o, (a, b)), q) in out.iter_mut().zip(usual).zip(q) {
+            *o += along * (b - a) + back * (a - q);
+        }
+    }
+
+    /// The velocity of the pull, n, rad/s, at a posture `q` while the hand (pelvis frame, of a body of
+    /// `stature_m`) moves with `twist` (m/s, rad/s; linear first, base axes).
+    pub fn pull_velocity(
+        &self,
+        hand: &Pose,
+        twist: &[f64],
+        q: &DVector<f64>,
+        stature_m: f64,
+    ) -> DVector<f64> {
+        /// Short enough for a difference quotient, s.
+        const MOMENT_S: f64 = 1e-5;
+        let rows = |from: usize| {
+            Vec3::from_fn(|i, _| twist.get(from + i).copied().unwrap_or(0.0) * MOMENT_S)
+        };
+        let turned = UnitQuaternion::from_scaled_axis(rows(3)) * hand.rotation;
+        let next = Pose::from_parts((hand.translation.vector + rows(0)).into(), turned);
+        let (a, b) = (self.usual_posture(hand, stature_m), self.usual_posture(&next, stature_m));
+        let mut moved = DVector::zeros(q.len());
+        let travel_m = speed_squared(twist).sqrt() * MOMENT_S;
+        self.add_pull(&mut moved, (&a, &b), q, (travel_m, MOMENT_S));
+        moved / MOMENT_S
     }
 
     /// The person's mean orientation of the hand, in the pelvis frame.
@@ -226,7 +293,14 @@ mod tests {
             })
             .collect();
         let postures = DMatrix::from_fn(40, 3, |i, j| (i as f64 / 39.0 + j as f64).sin());
-        let model = Attraction::fit(&hands, postures.clone(), 1.7, 4.0, 1.0, 1e-4);
+        let model = Attraction::fit(
+            &hands,
+            postures.clone(),
+            1.7,
+            Pull::Metre { length_m: 0.2 },
+            1.0,
+            1e-4,
+        );
         (hands, postures, model)
     }
 
@@ -248,6 +322,48 @@ mod tests {
         scaled.translation.vector *= 1.9 / 1.7;
         let (a, b) = (model.usual_posture(&hands[9], 1.7), model.usual_posture(&scaled, 1.9));
         assert_relative_eq!(a.posture, b.posture, epsilon = 1e-12);
+    }
+
+    #[test]
+    fn a_pull_is_exact_whatever_the_steps() {
+        // One joint, a usual posture that rises by 2 rad/m, a start 0.5 rad off it.
+        let (_, _, mut model) = trained();
+        let usual =
+            |x: f64| UsualPosture { posture: DVector::from_element(1, 2.0 * x), confidence: 1.0 };
+        let walk = |model: &Attraction, steps: usize, (length_m, time_s): (f64, f64)| {
+            let mut q = DVector::from_element(1, 0.5);
+            for k in 0..steps {
+                let at = |k: usize| usual(length_m * k as f64 / steps as f64);
+                let mut moved = DVector::zeros(1);
+                let step = (length_m / steps as f64, time_s / steps as f64);
+                model.add_pull(&mut moved, (&at(k), &at(k + 1)), &q, step);
+                q += moved;
+            }
+            q[0]
+        };
+        for steps in [1, 7, 100] {
+            for time_s in [1.0, 300.0] {
+                let end = walk(&model, steps, (0.6, time_s));
+                assert_relative_eq!(end, 1.2 + 0.5 * f64::exp(-0.6 / 0.2), epsilon = 1e-12);
+                assert_relative_eq!(walk(&model, steps, (0.0, time_s)), 0.5, epsilon = 1e-15);
+            }
+        }
+        model.pull = Pull::Second { rate_per_s: 4.0 };
+        for steps in [1, 10] {
+            let end = walk(&model, steps, (0.0, 2.0));
+            assert_relative_eq!(end, 0.5 * f64::exp(-8.0), epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_velocity_of_a_pull_is_that_of_short_steps() {
+        let (hands, _, model) = trained();
+        let q = DVector::from_vec(vec![0.3, 0.1, -0.2]);
+        let velocity = |twist: [f64; 6]| model.pull_velocity(&hands[20], &twist, &q, 1.7);
+        let twist = [0.1, 0.05, 0.0, 0.0, 0.2, 0.0];
+        assert_eq!(velocity([0.0; 6]).amax(), 0.0, "a hand that rests");
+        let slow = velocity(twist.map(|v| 0.1 * v));
+        assert_relative_eq!(velocity(twist), slow * 10.0, max_relative = 1e-3);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A body whose hand holds on to the robot: chain, limits, and the rows of the task.
 
+use super::noise::ROTATION_LENGTH_M;
 use crate::files::InputError;
 use crate::human::{Body, PostureLimits, Side};
 use crate::kinematics::{Frames, Linkage};
@@ -169,6 +170,14 @@ impl Coupling {
             Hold::Point | Hold::Planar => *usual,
         };
         Pose::from_parts(target.translation, rotation)
+    }
+
+    /// How far the hand travels from one grip pose to another, m: what is prescribed of it, rotations
+    /// counted at 0.3 m/rad.
+    pub(super) fn travel_m(&self, from: &Pose, to: &Pose) -> f64 {
+        let error = self.task_error(from, to);
+        let linear = self.hold.linear_rows();
+        error.rows(0, linear).norm().hypot(ROTATION_LENGTH_M * error.rows_range(linear..).norm())
     }
 
     /// Error from one grip pose to another in task rows: m, then rad.

@@ -1,12 +1,14 @@
 //! The file of a posture model: JSON with a schema, checked when read. Owner of `models/posture`.
 
+use super::attraction::Pull;
 use super::model::PostureModel;
+use super::noise::Clock;
 use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Schema id and version; a reader refuses any other.
-pub const MODEL_SCHEMA: &str = "ergopath/posture-model/2";
+pub const MODEL_SCHEMA: &str = "ergopath/posture-model/3";
 
 /// Models that ship inside the program.
 const SHIPPED: &[(&str, &str)] =
@@ -103,15 +105,29 @@ fn check(model: &PostureModel) -> Result<(), String> {
     }
     let noise = &model.law.noise;
     let shares = noise.shares;
-    let parts = [shares.white, shares.correlated, shares.lasting, noise.speed_share];
+    let parts = [shares.white, shares.correlated, shares.lasting];
     // NaN is in no range.
+    let is_clock_sound = match noise.clock {
+        Clock::Hand { speed_m_s, drift } => {
+            speed_m_s > 0.0 && drift.speed_rad_s >= 0.0 && drift.time_s > 0.0
+        }
+        Clock::Seconds { speed_share, speed_rms_m_s } => {
+            speed_rms_m_s > 0.0 && (0.0..=1.0).contains(&speed_share)
+        }
+    };
     let is_sound = noise.correlation_time_s > 0.0
         && noise.white_interval_s > 0.0
-        && noise.speed_rms_m_s > 0.0
+        && is_clock_sound
         && parts.iter().all(|p| (0.0..=1.0).contains(p))
         && (shares.white + shares.correlated + shares.lasting - 1.0).abs() < 1e-6;
     if !is_sound {
         return Err("noise times must be positive and its shares sum to 1".to_owned());
+    }
+    match (model.law.attraction.as_ref().map(|a| a.pull()), noise.clock) {
+        (Some(Pull::Metre { length_m }), Clock::Hand { .. }) if length_m > 0.0 => {}
+        (Some(Pull::Second { rate_per_s }), Clock::Seconds { .. }) if rate_per_s > 0.0 => {}
+        (None, _) => {}
+        _ => return Err("the pull does not go by the clock of the noise".to_owned()),
     }
     if !(model.law.stature_m > 0.0 && (1..=6).contains(&model.law.task_rows)) {
         return Err("stature and task rows are out of range".to_owned());
@@ -120,4 +136,24 @@ fn check(model: &PostureModel) -> Result<(), String> {
         return Err(format!("a process serves a joint beyond the {n} of the chain"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_older_model_is_refused_with_the_remedy() {
+        let (_, text) = SHIPPED[0];
+        let older = text.replacen(MODEL_SCHEMA, "ergopath/posture-model/2", 1);
+        assert_ne!(older, text);
+        let error = parse(Path::new("anna.json"), &older).unwrap_err().to_string();
+        assert!(error.contains("anna.json") && error.contains("posture-model/2"), "{error}");
+        let (model, _) = parse(Path::new("anna.json"), text).unwrap();
+        // A pull by time has no place beside noise that goes by the hand.
+        let mut mixed = model;
+        let by_time = Clock::Seconds { speed_share: 0.5, speed_rms_m_s: 0.3 };
+        mixed.law.noise.clock = by_time;
+        assert!(check(&mixed).unwrap_err().contains("clock"));
+    }
 }

@@ -10,7 +10,8 @@
 //! ignores the task, and the primitive has a W and z for each phase and sees the task with its noise.
 
 use super::attraction::Attraction;
-use super::noise::{Noise, NoisePath};
+use super::hand_path::HandPath;
+use super::noise::{Clock, DriftPath, Noise, NoisePath};
 use super::primitive::Primitive;
 use super::process::{FunctionDraw, Posterior, Process, add_means};
 use crate::math::redundancy::{resolve, weighted_pseudo_inverse};
@@ -221,6 +222,7 @@ pub struct Sampler<'a> {
 #[derive(Debug, Clone)]
 pub struct Person<'a> {
     noise: NoisePath,
+    drift: Option<DriftPath>,
     functions: Arc<[FunctionDraw]>,
     /// Of independent sampling: by what the noise grows.
     posteriors: Option<&'a [Posterior<'a>]>,
@@ -243,39 +245,44 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// One person for a movement of `count` samples `dt` (s) apart.
+    /// One person for a movement along a path.
     pub fn person(
         &self,
         functions: Arc<[FunctionDraw]>,
         rng: &mut ChaCha8Rng,
-        count: usize,
-        dt: f64,
+        path: &HandPath,
     ) -> Person<'_> {
+        let (count, dt) = path.noise_grid();
         let (noise, posteriors) = match self.sampling {
             Sampling::Pathwise => (self.law.noise.path(rng, count, dt), None),
             Sampling::Independent => {
                 (self.law.noise.independent(rng, count), Some(self.posteriors.as_slice()))
             }
         };
-        Person { noise, functions, posteriors }
+        let drift = self.law.noise.drift(rng);
+        Person { noise, drift, functions, posteriors }
     }
 
     /// One person with a function of their own.
-    pub fn draw(&self, rng: &mut ChaCha8Rng, count: usize, dt: f64) -> Person<'_> {
+    pub fn draw(&self, rng: &mut ChaCha8Rng, path: &HandPath) -> Person<'_> {
         let functions = self.functions(rng);
-        self.person(functions, rng, count, dt)
+        self.person(functions, rng, path)
     }
 }
 
 impl Person<'_> {
-    /// Preferred velocity of this person without the pull, n, rad/s: part of the way from sample
-    /// `index` of the path to the next.
+    /// How far this person's posture has drifted in true time, n, rad.
+    pub(super) fn drifted(&self, time_s: f64) -> Option<DVector<f64>> {
+        self.drift.as_ref().map(|d| d.at(time_s))
+    }
+
+    /// Preferred velocity of this person without the pull, n, rad/s of the clock: part of the way from
+    /// place `index` of the noise to the next.
     pub(super) fn preferred(
         &self,
         law: &PostureLaw,
         at: &Query,
-        index: usize,
-        part: f64,
+        (index, part): (usize, f64),
     ) -> DVector<f64> {
         let mut z = if self.functions.is_empty() {
             law.preferred(at.q, at.xdot)
@@ -291,7 +298,11 @@ impl Person<'_> {
             }
             z
         };
-        let gain = law.noise.gain(at.xdot.as_slice());
+        // By the hand's own clock it always moves at its usual speed.
+        let gain = match law.noise.clock {
+            Clock::Hand { .. } => 1.0,
+            Clock::Seconds { .. } => law.noise.gain(at.xdot.as_slice()),
+        };
         if let Some(posteriors) = self.posteriors {
             let mut noise = self.noise.at(index, part) * gain;
             for growth in law.growth(posteriors, std::slice::from_ref(at)) {

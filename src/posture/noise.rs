@@ -1,14 +1,21 @@
 //! What differs from one repetition to the next: noise in the preferred joint velocity.
 //!
 //! ```text
-//! e(t) = g(v) F (sqrt(a_w) w(t) + sqrt(a_u) u(t) + sqrt(a_b) b)       a_w + a_u + a_b = 1
+//! e(t) = g F (sqrt(a_w) w(t) + sqrt(a_u) u(t) + sqrt(a_b) b)       a_w + a_u + a_b = 1
 //! u    Ornstein-Uhlenbeck, unit variance, correlation time tau
 //! b    one draw for the whole movement (between movements of one person)
 //! w    white: its integral over a time t has variance dt_0 t, dt_0 the interval of the data
-//! g^2  = 1 - s + s |v|^2 / v_rms^2,    |v|^2 = |linear|^2 + (0.3 m |angular|)^2
 //! ```
-//! `F F^T` is the covariance of the residuals at rms hand speed. The integral of every part is that of
-//! a process in continuous time, so the spread of postures does not depend on the time step.
+//! The integral of every part is that of a process in continuous time, so the spread of postures does
+//! not depend on the time step. What `t` is, the [`Clock`] says:
+//!
+//! ```text
+//! hand     t = hand travel / usual speed, g = 1: a resting hand brings no noise, and the spread along
+//!          a path does not depend on its duration. Beside it a drift in true time, of small extent:
+//!          d(t) = F' (a cos wt + b sin wt),  w ~ N(0, 1 / T^2) for each direction
+//! seconds  t is time,  g^2 = 1 - s + s |v|^2 / v_rms^2,   |v|^2 = |linear|^2 + (0.3 m |angular|)^2
+//! ```
+//! `F F^T` is the covariance of the residuals at the usual (rms) hand speed.
 
 use crate::math::stream::normals;
 use nalgebra::{DMatrix, DVector};
@@ -16,7 +23,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 /// Length by which an angular speed counts like a linear one, m/rad.
-const ROTATION_LENGTH_M: f64 = 0.3;
+pub(super) const ROTATION_LENGTH_M: f64 = 0.3;
 
 /// Shares of the variance of the noise; they sum to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -30,22 +37,55 @@ pub struct NoiseShares {
     pub lasting: f64,
 }
 
+/// What makes a movement go on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "by", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Clock {
+    /// The hand: own time is its travel over its usual speed.
+    Hand {
+        /// Usual (rms) hand speed, m/s, rotations counted at 0.3 m/rad.
+        speed_m_s: f64,
+        /// What remains while the hand rests.
+        drift: Drift,
+    },
+    /// True time.
+    Seconds {
+        /// s: share of the variance that grows with the square of the hand speed.
+        speed_share: f64,
+        /// Rms hand speed of the data, m/s.
+        speed_rms_m_s: f64,
+    },
+}
+
+/// How joints drift while the hand rests: a stationary process in time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drift {
+    /// Joint speed, rms over joints and time, rad/s.
+    pub speed_rad_s: f64,
+    /// Time T in which it turns round, s.
+    pub time_s: f64,
+}
+
+impl Drift {
+    /// A posture that does not drift.
+    pub const NONE: Self = Self { speed_rad_s: 0.0, time_s: 1.0 };
+}
+
 /// Parameters of the noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
-    /// F, n x r, rad/s at rms hand speed.
+    /// F, n x r, rad/s at usual hand speed.
     pub factor: DMatrix<f64>,
     /// How the variance is shared out in time.
     pub shares: NoiseShares,
-    /// Correlation time tau, s.
+    /// Correlation time tau, s of the clock.
     pub correlation_time_s: f64,
-    /// Interval of the samples from which the white share was estimated, s.
+    /// Interval of the samples from which the white share was estimated, s of the clock.
     pub white_interval_s: f64,
-    /// s: share of the variance that grows with the square of the hand speed.
-    pub speed_share: f64,
-    /// Rms hand speed of the data, m/s.
-    pub speed_rms_m_s: f64,
+    /// What its time is.
+    pub clock: Clock,
 }
 
 impl Noise {
@@ -61,14 +101,16 @@ impl Noise {
             shares: NoiseShares { white: 0.0, correlated: 1.0, lasting: 0.0 },
             correlation_time_s,
             white_interval_s: 1.0,
-            speed_share: 0.0,
-            speed_rms_m_s: 1.0,
+            clock: Clock::Seconds { speed_share: 0.0, speed_rms_m_s: 1.0 },
         }
     }
 
-    /// g: the factor by which the hand's velocity (linear, then angular) scales the noise.
+    /// g: the factor by which the hand's velocity (linear, then angular) scales the noise in seconds.
     pub fn gain(&self, task: &[f64]) -> f64 {
-        gain(self.speed_share, self.speed_rms_m_s, task)
+        match self.clock {
+            Clock::Hand { speed_m_s, .. } => gain(1.0, speed_m_s, task),
+            Clock::Seconds { speed_share, speed_rms_m_s } => gain(speed_share, speed_rms_m_s, task),
+        }
     }
 
     /// `F F^T`, n x n, (rad/s)^2.
@@ -83,8 +125,18 @@ impl Noise {
         self.shares.lasting + self.shares.correlated * decay + white
     }
 
-    /// One sample path at `count` times `dt` (s) apart, before the gain. Longer paths begin like
-    /// shorter ones.
+    /// What a drift adds to the correlation of the noise of two samples `lag_s` of true time apart, in
+    /// units of `F F^T`.
+    pub fn drift_correlation(&self, lag_s: f64) -> f64 {
+        let Clock::Hand { drift, .. } = self.clock else { return 0.0 };
+        let size = drift.speed_rad_s.powi(2) * self.factor.nrows() as f64
+            / self.factor.norm_squared().max(f64::MIN_POSITIVE);
+        let x = (lag_s / drift.time_s).powi(2);
+        size * (1.0 - x) * (-0.5 * x).exp()
+    }
+
+    /// One sample path at `count` times `dt` (s of the clock) apart, before the gain. Longer paths begin
+    /// like shorter ones.
     pub fn path(&self, rng: &mut ChaCha8Rng, count: usize, dt: f64) -> NoisePath {
         let r = self.factor.ncols();
         let mut draw = || DVector::from_vec(normals(rng, r));
@@ -106,6 +158,24 @@ impl Noise {
             });
         }
         NoisePath { smooth, held }
+    }
+
+    /// One drift of the posture in time; none where the clock is true time.
+    pub fn drift(&self, rng: &mut ChaCha8Rng) -> Option<DriftPath> {
+        let Clock::Hand { drift, .. } = self.clock else { return None };
+        let (n, r) = self.factor.shape();
+        // sd of the angle: that of the speed times T.
+        let size = drift.speed_rad_s * drift.time_s * (n as f64).sqrt() / self.factor.norm();
+        if !(size.is_finite() && size > 0.0) {
+            return None;
+        }
+        let mut waves = || {
+            let draws = DVector::from_vec(normals(rng, r));
+            &self.factor * DMatrix::from_diagonal(&(draws * size))
+        };
+        let (cosines, sines) = (waves(), waves());
+        let rates = normals(rng, r).into_iter().map(|w| w / drift.time_s).collect();
+        Some(DriftPath { cosines, sines, rates })
     }
 
     /// The published sampler: independent at each of `count` samples, whatever their distance.
@@ -157,6 +227,29 @@ impl NoisePath {
     }
 }
 
+/// How far a posture has drifted, as a function of time.
+#[derive(Debug, Clone)]
+pub struct DriftPath {
+    /// n x r, rad.
+    cosines: DMatrix<f64>,
+    sines: DMatrix<f64>,
+    /// r, rad/s.
+    rates: Vec<f64>,
+}
+
+impl DriftPath {
+    /// Angles since time 0, n, rad.
+    pub fn at(&self, time_s: f64) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.cosines.nrows());
+        for (j, rate) in self.rates.iter().enumerate() {
+            let (sin, cos) = (rate * time_s).sin_cos();
+            sum.axpy(cos - 1.0, &self.cosines.column(j), 1.0);
+            sum.axpy(sin, &self.sines.column(j), 1.0);
+        }
+        sum
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,6 +295,27 @@ mod tests {
         assert_eq!(path.at(2, 0.3), expected);
         let last = &path.smooth[4] + &path.held[4];
         assert!((path.at(9, 0.3) - last).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_drift_has_its_speed_and_stays_near() {
+        let drift = Drift { speed_rad_s: 0.03, time_s: 0.4 };
+        let noise = Noise {
+            clock: Clock::Hand { speed_m_s: 0.3, drift },
+            ..Noise::correlated(DMatrix::from_diagonal(&DVector::from_vec(vec![2.0, 1.0])), 0.3)
+        };
+        let (mut speeds, mut far) = (Vec::new(), Vec::new());
+        for r in 0..4000 {
+            let path = noise.drift(&mut stream(1, Purpose::Posture, 0, r)).unwrap();
+            assert_eq!(path.at(0.0).amax(), 0.0);
+            speeds.push(((path.at(7.001) - path.at(7.0)) / 1e-3).norm_squared() / 2.0);
+            far.push(path.at(500.0).norm_squared() / 2.0);
+        }
+        let rms = |v: &[f64]| crate::math::stats::mean(v).sqrt();
+        assert!((rms(&speeds) / 0.03 - 1.0).abs() < 0.05, "{}", rms(&speeds));
+        let extent = 0.03 * 0.4 * f64::sqrt(2.0);
+        assert!((rms(&far) / extent - 1.0).abs() < 0.05, "{}", rms(&far));
+        assert!(Noise::none(2).drift(&mut stream(1, Purpose::Posture, 0, 0)).is_none());
     }
 
     #[test]

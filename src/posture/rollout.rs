@@ -1,95 +1,30 @@
 //! Closed-loop rollouts: the posture that follows a hand path, one sampled person at a time.
 //!
 //! ```text
-//! xdot = (x_d(t+h) - f(q)) / h           closed on the path (paper, section V-C)
-//! z    = lambda c(x)^2 (m(x) - q) + process(q, xdot) + e(t)
-//! qdot = z + J_W^+ (xdot - J z)          under limits, by lock and resolve
+//! dx   = x_d(next) - f(q)                closed on the path (paper, section V-C)
+//! dz   = (process(q, dx / h) + e) h + pull over the step
+//! dq   = dz + J_W^+ (dx - J dz)          under limits, by lock and resolve
 //! ```
-//! Steps are at most 8 mm and 2 deg of hand travel. All poses are of the grip in the pelvis frame.
+//! h is the time of a step by the clock of the law ([`HandPath`] lays the steps out). By the hand's own
+//! clock a posture depends on how far the hand has come and not on when: samples are read off between
+//! two steps, and there the person's drift in true time comes on top, in the null space.
+//! All poses are of the grip in the pelvis frame.
 
-use super::attraction::UsualPosture;
 use super::coupling::{Coupling, Observation};
+use super::hand_path::{HandPath, Knot};
 use super::law::{Person, PostureLaw, Query};
 use super::start::Start;
 use super::step::{ReachExceeded, StepSolver};
 use crate::kinematics::Frames;
-use crate::math::pose::{interpolate, pose_error};
+use crate::math::pose::pose_error;
 use crate::math::{Pose, Vec6};
 use nalgebra::{DMatrix, DVector};
 
-/// Longest step of the hand, m and rad (2 deg).
-const STEP_M: f64 = 0.008;
-const STEP_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Residual of the hand beyond which Newton corrections are made, and beyond which the rollout ends.
 const CORRECT_BEYOND_M: f64 = 2e-4;
 const END_BEYOND_M: f64 = 1e-3;
 /// Largest change of a joint in one step, rad; more means the arm is about to lose the path.
 const LARGEST_JOINT_STEP: f64 = 0.6;
-
-/// A hand path as a person meets it: grip poses in the pelvis frame, and the usual posture at each.
-///
-/// The usual posture depends on the path and the model only, so all rollouts share it.
-#[derive(Debug, Clone)]
-pub struct HandPath {
-    time_s: Vec<f64>,
-    targets: Vec<Pose>,
-    usual: Vec<UsualPosture>,
-}
-
-impl HandPath {
-    /// For times (s) and as many grip poses in the pelvis frame.
-    pub fn new(
-        coupling: &Coupling,
-        law: &PostureLaw,
-        time_s: Vec<f64>,
-        targets: Vec<Pose>,
-    ) -> Self {
-        let usual = law.attraction.as_ref().map_or_else(Vec::new, |a| {
-            let at = |t: &Pose| {
-                a.usual_posture(&coupling.looked_up(t, a.usual_orientation()), coupling.stature_m())
-            };
-            targets.iter().map(at).collect()
-        });
-        Self { time_s, targets, usual }
-    }
-
-    /// The grip at the start.
-    pub fn start(&self) -> &Pose {
-        &self.targets[0]
-    }
-
-    /// Grip poses in the pelvis frame, T+1.
-    pub fn targets(&self) -> &[Pose] {
-        &self.targets
-    }
-
-    /// The usual posture at a sample, n, rad; none without a pull.
-    pub fn usual_posture(&self, index: usize) -> Option<&DVector<f64>> {
-        self.usual.get(index).map(|u| &u.posture)
-    }
-
-    /// From the first to the last sample, s.
-    pub fn duration_s(&self) -> f64 {
-        self.time_s.last().map_or(0.0, |t| t - self.time_s[0])
-    }
-
-    /// Number of samples, T+1.
-    pub fn len(&self) -> usize {
-        self.targets.len()
-    }
-
-    /// Never true: a path has a start.
-    pub fn is_empty(&self) -> bool {
-        self.targets.is_empty()
-    }
-
-    /// Share of the samples that the training data do not support (confidence below one half); 0
-    /// without an attraction.
-    pub fn extrapolation_share(&self) -> f64 {
-        let low = self.usual.iter().filter(|u| u.confidence < 0.5).count();
-        low as f64 / self.usual.len().max(1) as f64
-    }
-}
 
 /// One sampled person along one path.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,10 +42,7 @@ pub struct Rollout {
     pub max_residual_rad: f64,
 }
 
-/// Walks one person along a path of grip poses (pelvis frame) at times `time_s`; without a person,
-/// the law's mean.
-///
-/// A person's noise is drawn for the samples of the path, so that candidates of one duration share it.
+/// Walks one person along a path; without a person, the law's mean.
 pub fn roll_out(
     coupling: &Coupling,
     law: &PostureLaw,
@@ -118,118 +50,175 @@ pub fn roll_out(
     start: &Start,
     person: Option<&Person>,
 ) -> Rollout {
-    let first = start.q.clone().unwrap_or_else(|| DVector::zeros(law.dof()));
+    let mut seen = Seen::new(path, coupling.hold().linear_rows());
+    let Some(first) = &start.q else {
+        return seen.finish(&DVector::zeros(law.dof()), Some(0));
+    };
     let mut frames = Frames::default();
+    let here = coupling.observe(first, &mut frames);
     let mut walk = Walk {
         coupling,
         law,
-        usual: &path.usual,
+        path,
+        person,
         solver: StepSolver::new(law.weight.clone()),
-        seen: coupling.observe(&first, &mut frames),
+        aside: here.clone(),
+        seen: here,
         frames,
-        q: first,
+        before: first.clone(),
+        q: first.clone(),
+        error: DVector::zeros(coupling.hold().rows()),
     };
-    let HandPath { time_s, targets, .. } = path;
-    let linear = coupling.hold().linear_rows();
-    let mut q = vec![walk.q.clone()];
-    let mut reach_exceeded_at = start.q.is_none().then_some(0);
-    let (mut max_m, mut sum_sq, mut max_rad) = (0.0f64, 0.0, 0.0f64);
-    for k in 1..targets.len() {
-        if reach_exceeded_at.is_none() {
-            let span = time_s[k] - time_s[k - 1];
-            let phase = (k - 1) as f64 / (targets.len() - 1) as f64;
-            let leg = Leg { from: targets[k - 1], to: targets[k], span, index: k - 1, phase };
-            match walk.advance(&leg, person) {
-                Ok(error) => {
-                    let metres = error.rows(0, linear).norm();
-                    max_m = max_m.max(metres);
-                    sum_sq += metres * metres;
-                    max_rad = max_rad.max(error.rows_range(linear..).norm());
-                }
-                Err(ReachExceeded) => reach_exceeded_at = Some(k),
-            }
+    // Samples before the hand has moved, then those of each step.
+    let mut lost = seen.read(&mut walk, 0, true).is_err();
+    for step in 0..path.knots().len() - 1 {
+        if lost {
+            break;
         }
-        q.push(walk.q.clone());
+        lost = walk.advance(step).and_then(|()| seen.read(&mut walk, step, false)).is_err();
     }
-    let reached = reach_exceeded_at.unwrap_or(targets.len()).max(1);
-    Rollout {
-        q,
-        reach_exceeded_at,
-        max_residual_m: max_m,
-        rms_residual_m: (sum_sq / reached as f64).sqrt(),
-        max_residual_rad: max_rad,
-    }
+    let exceeded_at = lost.then_some(seen.q.len());
+    seen.finish(first, exceeded_at)
 }
 
-/// From one path sample to the next.
-struct Leg {
-    from: Pose,
-    to: Pose,
-    span: f64,
-    index: usize,
-    phase: f64,
+/// The samples of a path that were reached.
+struct Seen<'a> {
+    path: &'a HandPath,
+    linear: usize,
+    q: Vec<DVector<f64>>,
+    max_m: f64,
+    sum_sq: f64,
+    max_rad: f64,
+}
+
+impl<'a> Seen<'a> {
+    fn new(path: &'a HandPath, linear: usize) -> Self {
+        let q = Vec::with_capacity(path.len());
+        Self { path, linear, q, max_m: 0.0, sum_sq: 0.0, max_rad: 0.0 }
+    }
+
+    /// Reads off the samples of a step, or those before it.
+    fn read(&mut self, walk: &mut Walk, step: usize, before: bool) -> Result<(), ReachExceeded> {
+        while let Some((own, part)) = self.path.place(self.q.len()) {
+            if own != step || (before && part > 0.0) {
+                break;
+            }
+            let (q, error) = walk.sample(self.q.len(), part)?;
+            let metres = error.rows(0, self.linear).norm();
+            self.max_m = self.max_m.max(metres);
+            self.sum_sq += metres * metres;
+            self.max_rad = self.max_rad.max(error.rows_range(self.linear..).norm());
+            self.q.push(q);
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, first: &DVector<f64>, exceeded_at: Option<usize>) -> Rollout {
+        let reached = self.q.len().max(1);
+        let last = self.q.last().unwrap_or(first).clone();
+        self.q.resize(self.path.len(), last);
+        Rollout {
+            q: self.q,
+            reach_exceeded_at: exceeded_at,
+            max_residual_m: self.max_m,
+            rms_residual_m: (self.sum_sq / reached as f64).sqrt(),
+            max_residual_rad: self.max_rad,
+        }
+    }
 }
 
 struct Walk<'a> {
     coupling: &'a Coupling,
     law: &'a PostureLaw,
-    usual: &'a [UsualPosture],
+    path: &'a HandPath,
+    person: Option<&'a Person<'a>>,
     solver: StepSolver,
     frames: Frames,
+    /// At the knots before and after the step.
+    before: DVector<f64>,
     q: DVector<f64>,
-    /// Of `q`.
+    /// Of `q`, and how far the hand is from the knot.
     seen: Observation,
+    error: DVector<f64>,
+    /// Scratch.
+    aside: Observation,
 }
 
 impl Walk<'_> {
-    /// Moves to the end of a leg; the task error there.
-    fn advance(
-        &mut self,
-        leg: &Leg,
-        person: Option<&Person>,
-    ) -> Result<DVector<f64>, ReachExceeded> {
-        let travel = pose_error(&leg.from, &leg.to);
-        let mut steps = travel.fixed_rows::<3>(0).norm() / STEP_M;
-        if self.coupling.hold().rows() > 3 {
-            steps = steps.max(travel.fixed_rows::<3>(3).norm() / STEP_RAD);
-        }
-        let steps = steps.ceil().clamp(1.0, 200.0) as usize;
-        let h = leg.span / steps as f64;
-        // The path's own velocity: the hand's may differ in what the robot does not prescribe.
-        let twist = self.law_twist(&(travel / leg.span));
-        let primitive = self.law.primitive.as_ref().map(|p| p.at(leg.phase));
+    /// Steps from one knot to the next.
+    fn advance(&mut self, step: usize) -> Result<(), ReachExceeded> {
+        let [a, b] = [&self.path.knots()[step], &self.path.knots()[step + 1]];
+        self.before.copy_from(&self.q);
+        let primitive = self.law.primitive.as_ref().map(|p| p.at(a.phase));
         if let Some((_, weight)) = &primitive {
             self.solver.set_weight(weight.clone());
         }
-        let mut error = DVector::zeros(0);
-        for step in 0..steps {
-            let part = (step + 1) as f64 / steps as f64;
-            let is_last = step + 1 == steps;
-            let target = if is_last { leg.to } else { interpolate(&leg.from, &leg.to, part) };
-            let mut task = self.coupling.task_error(&self.seen.pose, &target);
-            task /= h;
-            let done = step as f64 / steps as f64;
-            let jacobian = &self.seen.jacobian;
-            let at = Query { q: &self.q, xdot: &twist, jacobian, phase: leg.phase };
-            let mut preferred = match person {
-                Some(person) => person.preferred(self.law, &at, leg.index, done),
-                None => self.law.preferred(at.q, at.xdot),
-            };
-            if let Some((mean, _)) = &primitive {
-                preferred += mean;
-            }
-            self.pull(&mut preferred, leg.index, done);
-            if self.law.is_direct {
-                // A step that does not look at the hand: joints stop at their limits.
-                let none = DMatrix::zeros(0, self.q.len());
-                self.step(Some(&none), &DVector::zeros(0), &preferred, h)?;
-                error = self.coupling.task_error(&self.seen.pose, &target);
-            } else {
-                self.step(None, &task, &preferred, h)?;
-                error = self.correct(&target)?;
-            }
+        let mean = primitive.as_ref().map(|(mean, _)| mean);
+        let wish = self.wish(a, b, mean);
+        if self.law.is_direct {
+            // A step that does not look at the hand: joints stop at their limits.
+            let none = DMatrix::zeros(0, self.q.len());
+            self.step(Some(&none), &DVector::zeros(0), &wish)?;
+            self.error = self.coupling.task_error(&self.seen.pose, &b.target);
+        } else {
+            let task = self.coupling.task_error(&self.seen.pose, &b.target);
+            self.step(None, &task, &wish)?;
+            self.error = self.correct(&b.target)?;
         }
-        Ok(error)
+        Ok(())
+    }
+
+    /// How the posture would move from knot `a` to `b` if the task let it, n, rad.
+    fn wish(&self, a: &Knot, b: &Knot, primitive: Option<&DVector<f64>>) -> DVector<f64> {
+        let h = b.clock_s - a.clock_s;
+        // The path's own velocity: the hand's may differ in what the robot does not prescribe.
+        let twist = self.law_twist(&(pose_error(&a.target, &b.target) / h));
+        let at = Query { q: &self.q, xdot: &twist, jacobian: &self.seen.jacobian, phase: a.phase };
+        let mut wish = match self.person {
+            Some(person) => person.preferred(self.law, &at, a.noise),
+            None => self.law.preferred(at.q, at.xdot),
+        };
+        if let Some(mean) = primitive {
+            wish += mean;
+        }
+        wish *= h;
+        if let (Some(pull), Some(from), Some(to)) = (&self.law.attraction, &a.usual, &b.usual) {
+            pull.add_pull(&mut wish, (from, to), &self.q, (b.travel_m - a.travel_m, h));
+        }
+        wish
+    }
+
+    /// The posture (n, rad) at a sample, `part` of the step behind, and the task error there.
+    fn sample(
+        &mut self,
+        index: usize,
+        part: f64,
+    ) -> Result<(DVector<f64>, DVector<f64>), ReachExceeded> {
+        let drift = self.person.and_then(|p| p.drifted(self.path.time_s(index)));
+        let is_knot = part == 1.0 || self.path.knots().len() < 2;
+        let mut q = if is_knot { self.q.clone() } else { self.before.lerp(&self.q, part) };
+        if index == 0 || (is_knot && drift.is_none()) {
+            return Ok((q, self.error.clone()));
+        }
+        // At the knot's own Jacobian: the sample is less than a step away.
+        if let Some(drift) = drift {
+            let still = DVector::zeros(self.seen.jacobian.nrows());
+            let limits = self.coupling.limits();
+            q += self.solver.solve(&q, &self.seen.jacobian, &still, &drift, limits, 1.0)?;
+        }
+        let target = &self.path.targets()[index];
+        // Look from there, and come back to the knot.
+        std::mem::swap(&mut self.q, &mut q);
+        std::mem::swap(&mut self.seen, &mut self.aside);
+        self.coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
+        let error = if self.law.is_direct {
+            Ok(self.coupling.task_error(&self.seen.pose, target))
+        } else {
+            self.correct(target)
+        };
+        std::mem::swap(&mut self.seen, &mut self.aside);
+        std::mem::swap(&mut self.q, &mut q);
+        error.map(|e| (q, e))
     }
 
     /// A twist as the law was trained: its rows, and speeds over stature.
@@ -241,34 +230,20 @@ impl Walk<'_> {
         own
     }
 
-    /// Adds lambda c(x)^2 (m(x) - q), between two samples of the path, to a velocity (n, rad/s).
-    fn pull(&self, velocity: &mut DVector<f64>, index: usize, part: f64) {
-        let (Some(attraction), Some(a)) = (&self.law.attraction, self.usual.get(index)) else {
-            return;
-        };
-        let b = self.usual.get(index + 1).unwrap_or(a);
-        let rate = attraction.rate() * (a.trust() + part * (b.trust() - a.trust()));
-        let usual = a.posture.iter().zip(&b.posture);
-        for ((v, (a, b)), q) in velocity.iter_mut().zip(usual).zip(&self.q) {
-            *v += rate * (a * (1.0 - part) + b * part - q);
-        }
-    }
-
-    /// Moves for a time h (s) and looks where the hand is; `jacobian` in the place of the task's.
+    /// Moves on and looks where the hand is; `jacobian` in the place of the task's.
     fn step(
         &mut self,
         jacobian: Option<&DMatrix<f64>>,
         task: &DVector<f64>,
-        preferred: &DVector<f64>,
-        h: f64,
+        wish: &DVector<f64>,
     ) -> Result<(), ReachExceeded> {
         let limits = self.coupling.limits();
         let jacobian = jacobian.unwrap_or(&self.seen.jacobian);
-        let qdot = self.solver.solve(&self.q, jacobian, task, preferred, limits, h)?;
-        if qdot.amax() * h > LARGEST_JOINT_STEP {
+        let moved = self.solver.solve(&self.q, jacobian, task, wish, limits, 1.0)?;
+        if moved.amax() > LARGEST_JOINT_STEP {
             return Err(ReachExceeded);
         }
-        self.q.axpy(h, &qdot, 1.0);
+        self.q += moved;
         self.coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
         Ok(())
     }
@@ -284,7 +259,7 @@ impl Walk<'_> {
                 return Ok(error);
             }
             let still = DVector::zeros(self.q.len());
-            self.step(None, &error, &still, 1.0)?;
+            self.step(None, &error, &still)?;
         }
         let error = self.coupling.task_error(&self.seen.pose, target);
         if error.rows(0, linear).norm() > END_BEYOND_M { Err(ReachExceeded) } else { Ok(error) }

@@ -5,11 +5,11 @@
 //! the elbow; arm joints that move far more than the spine; a posture law that bends the trunk for
 //! low and far places; and correlated noise. All numbers here are inventions.
 
-use super::attraction::Attraction;
+use super::attraction::{Attraction, Pull};
 use super::coupling::{Coupling, Hold};
 use super::law::PostureLaw;
 use super::model::{Method, PostureDistribution, PostureModel, Provenance};
-use super::noise::Noise;
+use super::noise::{Clock, Drift, Noise};
 use super::start::{StartRule, start_postures};
 use crate::files::InputError;
 use crate::human::{Body, Side};
@@ -18,9 +18,12 @@ use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
 use nalgebra::{DMatrix, DVector};
 
-/// Hand speed at which the noise is stated, m/s, and the part of its variance that grows with speed.
+/// Hand speed at which the noise is stated, m/s.
 const SPEED_RMS_M_S: f64 = 0.3;
-const SPEED_SHARE: f64 = 0.97;
+/// What the joints do while the hand rests, as the people of a recorded hand-over do.
+const DRIFT: Drift = Drift { speed_rad_s: 1.6 * std::f64::consts::PI / 180.0, time_s: 0.3 };
+/// Hand travel after which 1/e of a departure from the usual posture is left, m.
+const PULL: Pull = Pull::Metre { length_m: 0.2 };
 const SPINE_SHARE: [f64; 4] = [1.0, 0.44, 0.44, 0.33];
 
 /// The person's usual posture with a hand before the chest, deg: (joint without side, Z, X, Y).
@@ -79,8 +82,7 @@ pub fn simulated_person(
     }
     let attraction = posture_law(&coupling, &postures, body, side)?;
     let noise = Noise {
-        speed_share: SPEED_SHARE,
-        speed_rms_m_s: SPEED_RMS_M_S,
+        clock: Clock::Hand { speed_m_s: SPEED_RMS_M_S, drift: DRIFT },
         ..Noise::correlated(noise_factor(&spread), 0.35)
     };
     Ok(PostureModel {
@@ -225,7 +227,7 @@ fn posture_law(
             "the simulated operator cannot reach its workplace",
         ));
     }
-    Ok(Attraction::fit(&hands, DMatrix::from_rows(&rows), h, 4.0, 2.0, 0.05))
+    Ok(Attraction::fit(&hands, DMatrix::from_rows(&rows), h, PULL, 2.0, 0.05))
 }
 
 /// A vertical bar held before the body: grip z (thumb) up, palm towards the middle.
@@ -239,7 +241,7 @@ fn grip_orientation() -> nalgebra::UnitQuaternion<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::posture::{HandPath, Sampler, Sampling, roll_out};
+    use crate::posture::{HandPath, Sampler, Sampling, Start, roll_out};
 
     fn lift() -> (Vec<f64>, Vec<Pose>) {
         let hand = |s: f64| {
@@ -278,8 +280,8 @@ mod tests {
                 assert!(coupling.limits().violation(q.as_slice()) < 1e-9);
                 let mut rng = stream(1, Purpose::Posture, 1, r as u32);
                 let sampler = Sampler::new(&model.law, Sampling::Pathwise).unwrap();
-                let person = sampler.draw(&mut rng, time.len(), 0.04);
                 let path = HandPath::new(&coupling, &model.law, time.clone(), hands.clone());
+                let person = sampler.draw(&mut rng, &path);
                 let rollout = roll_out(&coupling, &model.law, &path, start, Some(&person));
                 assert_eq!(rollout.reach_exceeded_at, None, "{name} {r}");
                 assert!(rollout.max_residual_m < 2.1e-4, "{}", rollout.max_residual_m);
@@ -301,13 +303,12 @@ mod tests {
         let spread = |every: usize| {
             let t: Vec<f64> = time.iter().copied().step_by(every).collect();
             let h: Vec<Pose> = hands.iter().copied().step_by(every).collect();
-            let count = t.len();
             let path = HandPath::new(&coupling, &model.law, t, h);
             let sampler = Sampler::new(&model.law, Sampling::Pathwise).unwrap();
             let ends: Vec<DVector<f64>> = (0..400)
                 .map(|r| {
                     let mut rng = stream(2, Purpose::Posture, 0, r);
-                    let person = sampler.draw(&mut rng, count, 0.04 * every as f64);
+                    let person = sampler.draw(&mut rng, &path);
                     roll_out(&coupling, &model.law, &path, &starts[0], Some(&person))
                         .q
                         .pop()
@@ -319,6 +320,96 @@ mod tests {
         };
         let (fine, coarse) = (spread(1), spread(2));
         assert!((coarse / fine - 1.0).abs() < 0.08, "{fine} {coarse}");
+    }
+
+    /// The operator with a start in a body, without a drift unless asked for.
+    fn operator(drifts: bool) -> (PostureModel, Coupling, Start) {
+        let body = Body::load("female_p50", std::path::Path::new(".")).unwrap();
+        let mut model = simulated_operator(&body, Side::Right).unwrap();
+        if !drifts {
+            model.law.noise.clock = Clock::Hand {
+                speed_m_s: SPEED_RMS_M_S,
+                drift: Drift { speed_rad_s: 0.0, ..DRIFT },
+            };
+        }
+        let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
+        let hand = lift().1[0];
+        let rule = StartRule::Sampled;
+        let start =
+            start_postures(&coupling, &model.postures, &rule, &hand, (1, 0), 3..4).remove(0);
+        (model, coupling, start)
+    }
+
+    /// One repetition of number r along a path.
+    fn walked(
+        (model, coupling, start): &(PostureModel, Coupling, Start),
+        time_s: Vec<f64>,
+        hands: Vec<Pose>,
+        r: u32,
+    ) -> Vec<DVector<f64>> {
+        let path = HandPath::new(coupling, &model.law, time_s, hands);
+        let sampler = Sampler::new(&model.law, Sampling::Pathwise).unwrap();
+        let person = sampler.draw(&mut stream(4, Purpose::Posture, 0, r), &path);
+        let rollout = roll_out(coupling, &model.law, &path, start, Some(&person));
+        assert_eq!(rollout.reach_exceeded_at, None);
+        rollout.q
+    }
+
+    #[test]
+    fn a_resting_hand_holds_the_posture() {
+        let (time, hands) = lift();
+        let still = vec![hands[0]; time.len()];
+        for (drifts, lowest, highest) in [(false, 0.0, 1e-9), (true, 0.8, 2.0)] {
+            let who = operator(drifts);
+            let mut squares = Vec::new();
+            for r in 0..40 {
+                let q = walked(&who, time.clone(), still.clone(), r);
+                let speed =
+                    |p: &[DVector<f64>]| (&p[1] - &p[0]).norm_squared() / (24.0 * 0.04 * 0.04);
+                squares.extend(q.windows(2).map(speed));
+                // Nor does it creep away in 5 minutes.
+                let long = time.iter().map(|t| 75.0 * t).collect();
+                let q = walked(&who, long, still.clone(), r);
+                assert!((&q[100] - &q[0]).norm() / 24f64.sqrt() < 2.5f64.to_radians());
+            }
+            let speed = crate::math::stats::mean(&squares).sqrt().to_degrees();
+            assert!((lowest..=highest).contains(&speed), "{speed} deg/s");
+        }
+    }
+
+    #[test]
+    fn the_posture_does_not_depend_on_the_duration() {
+        let (time, hands) = lift();
+        let who = operator(false);
+        let long: Vec<f64> = time.iter().map(|t| 75.0 * t).collect();
+        // The hand waits on the way.
+        let waiting: Vec<f64> =
+            time.iter().map(|t| t + if *t > 2.0 { 60.0 } else { 0.0 }).collect();
+        let quick = walked(&who, time, hands.clone(), 1);
+        for other in [long, waiting] {
+            let slow = walked(&who, other, hands.clone(), 1);
+            for (a, b) in quick.iter().zip(&slow) {
+                assert!((a - b).amax() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_finer_sampling_changes_nothing() {
+        let (time, hands) = lift();
+        let who = operator(true);
+        let half = |pick: &dyn Fn(usize, f64) -> Pose| {
+            (0..200).map(|i| pick(i / 2, 0.5 * f64::from(i as u32 % 2))).collect::<Vec<_>>()
+        };
+        let mut finer =
+            half(&|i, part| crate::math::pose::interpolate(&hands[i], &hands[i + 1], part));
+        finer.push(hands[100]);
+        let fine_time = (0..=200).map(|i| 0.02 * f64::from(i)).collect();
+        let coarse = walked(&who, time, hands.clone(), 1);
+        let fine = walked(&who, fine_time, finer, 1);
+        for (k, q) in coarse.iter().enumerate() {
+            assert!((q - &fine[2 * k]).amax() < 1e-9, "{k}: {}", (q - &fine[2 * k]).amax());
+        }
     }
 
     #[test]

@@ -97,6 +97,7 @@ fn variant(view: &View, c: &CandidateResult, b: &BodyScores) -> Markup {
                 @if let Status::Marked { violations } = &c.status {
                     @for v in violations { span.small { (ticked(&words::refusal::refusal(v))) } }
                 }
+                @if c.other_timing { span.small { "another timing" } }
                 @for b in &c.bought { span.small { "not the best: " (words::paths::bought(b)) } }
             }
         }

@@ -2,9 +2,7 @@
 
 use super::*;
 use crate::ergonomics::ScoringMethod;
-use crate::human::{Body, Side};
 use crate::planner::{Request, load_preset, plan};
-use crate::posture::{save_model, simulated_operator};
 use crate::scenario::read_scenario;
 use crate::words::number;
 use serde_json::Value;

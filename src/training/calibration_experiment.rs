@@ -11,7 +11,7 @@
 
 use super::dataset::{DataRow, Dataset, Fold};
 use super::methods::learn_laws;
-use super::rollout_check::{Bands, bands, learn_walking, pieces};
+use super::rollout_check::{Bands, band_end, bands, learn_walking, pieces};
 use super::settings::TrainSettings;
 use super::spread::learn_attraction;
 use super::toy5r::{
@@ -20,7 +20,6 @@ use super::toy5r::{
 };
 use crate::files::InputError;
 use crate::kinematics::{Linkage, parse_urdf};
-use crate::math::stats::quantile_of_sorted;
 use crate::posture::{Coupling, Hold, Method, Noise, NoiseShares, PostureLaw, Sampling};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -163,7 +162,7 @@ fn oracle(truth: &TrajectoryTruth, movements: &[ToyTrajectory]) -> Result<Bands,
                 for j in 0..m.q[k].len() {
                     let mut values: Vec<f64> = samples.iter().map(|s| s[k][j]).collect();
                     values.sort_by(f64::total_cmp);
-                    let at = |p: f64| quantile_of_sorted(&values, p);
+                    let at = |p: f64| band_end(&values, p);
                     let inside =
                         |a: f64, b: f64| f64::from(u8::from(m.q[k][j] >= a && m.q[k][j] <= b));
                     sum.coverage_90 += inside(at(0.05), at(0.95));

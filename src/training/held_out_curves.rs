@@ -6,10 +6,9 @@
 
 use super::dataset::{Dataset, Frame};
 use super::methods::{learn_laws, singular};
-use super::rollout_check::{ROLLOUTS, pieces, sampled_law, walks};
+use super::rollout_check::{ROLLOUTS, band_end, pieces, sampled_law, walks};
 use super::settings::TrainSettings;
 use crate::files::InputError;
-use crate::math::stats::quantile_of_sorted;
 use crate::posture::{Method, Rollout, Sampler};
 
 /// One joint of the movement.
@@ -106,7 +105,7 @@ fn curves(joint: &str, j: usize, piece: &[&Frame], walks: &[Rollout]) -> JointCu
         let mut values: Vec<f64> = walks.iter().map(|w| w.q[k][j]).collect();
         values.sort_by(f64::total_cmp);
         for (curve, level) in quantiles.iter_mut().zip(BAND_LEVELS) {
-            curve.push(quantile_of_sorted(&values, level));
+            curve.push(band_end(&values, level));
         }
     }
     let is_held = |k: &usize| quantiles[0][*k] <= recorded[*k] && recorded[*k] <= quantiles[4][*k];
@@ -145,7 +144,9 @@ mod tests {
         for k in 0..5 {
             let values: Vec<f64> = (0..10).map(|r| walks[r].q[k][7]).collect();
             for (level, curve) in BAND_LEVELS.iter().zip(&found.quantiles) {
-                assert_relative_eq!(curve[k], quantile(&values, *level), max_relative = 1e-12);
+                // The (R + 1) p-th value, between the first and the last of ten.
+                let at = ((11.0 * level - 1.0) / 9.0).clamp(0.0, 1.0);
+                assert_relative_eq!(curve[k], quantile(&values, at), max_relative = 1e-12);
             }
             assert_eq!(found.recorded[k], piece[k].q[7]);
         }

@@ -8,11 +8,13 @@
 //!     what is missing to 1 at lag zero is white
 //! ```
 //! Residuals of frames that a process knows less about are divided by the growth of its spread first.
+//! By the hand's clock lags are hand travel over the usual speed; the drift is what joints do in frames
+//! in which the hand rests.
 
 use super::dataset::{Frame, at_most};
 use super::spread::Residual;
 use crate::math::redundancy::{null_space_basis, weighted_pseudo_inverse};
-use crate::posture::{Noise, NoiseShares, PostureLaw, gain, speed_squared};
+use crate::posture::{Clock, Drift, Noise, NoiseShares, PostureLaw, gain, speed_squared};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -32,14 +34,25 @@ const LONGEST_LAG_PART: f64 = 0.6;
 const TIMES: [f64; 14] =
     [0.75, 1.0, 1.5, 2.0, 3.0, 4.5, 6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 65.0, 100.0];
 
-/// The noise of a law from residuals that it had not seen.
-pub fn learn_noise(law: &PostureLaw, residuals: &[Residual]) -> Noise {
+/// A hand rests where it is slower than this for so long, m/s and s: where it turns or sets out, the
+/// joints still move.
+const REST_M_S: f64 = 0.02;
+const REST_S: f64 = 0.3;
+/// Joint speed (rms, rad/s) and time (s) of the drift where no recorded hand rests: those of a
+/// recorded hand-over.
+const ASSUMED_SPEED_RAD_S: f64 = 1.6 * std::f64::consts::PI / 180.0;
+const ASSUMED_TIME_S: f64 = 0.3;
+/// Lag over T at which the speed of a drift is correlated by 1/e.
+const DRIFT_LAG: f64 = 0.726;
+
+/// The noise of a law from residuals that it had not seen; with `goes_with_hand` by the hand's clock.
+pub fn learn_noise(law: &PostureLaw, residuals: &[Residual], goes_with_hand: bool) -> Noise {
     let n = law.dof();
     if residuals.is_empty() {
-        return Noise::none(n);
+        return no_noise(&[], n, goes_with_hand);
     }
-    let squares: f64 = residuals.iter().map(|r| speed_squared(r.frame.xdot.as_slice())).sum();
-    let rms = (squares / residuals.len() as f64).sqrt().max(1e-9);
+    let frames: Vec<&Frame> = residuals.iter().map(|r| r.frame).collect();
+    let rms = usual_speed(&frames);
     let plain: Vec<DVector<f64>> =
         residuals.iter().map(|r| r.value.component_div(&r.growth)).collect();
     let share = speed_share(residuals, &plain, rms);
@@ -48,16 +61,92 @@ pub fn learn_noise(law: &PostureLaw, residuals: &[Residual]) -> Noise {
         .zip(&plain)
         .map(|(r, v)| v / gain(share, rms, r.frame.xdot.as_slice()))
         .collect();
-    let frames: Vec<&Frame> = residuals.iter().map(|r| r.frame).collect();
-    let (shares, time, step) = shares(&frames, &unit);
-    Noise {
-        factor: factor(&projected_covariance(law, &frames, &unit)),
-        shares,
-        correlation_time_s: time,
-        white_interval_s: step,
-        speed_share: share,
-        speed_rms_m_s: rms,
+    let own = goes_with_hand.then(|| hand_times(&frames, rms));
+    let (shares, time, step) = shares(&frames, &unit, own.as_deref());
+    let factor = factor(&projected_covariance(law, &frames, &unit));
+    let clock = if goes_with_hand {
+        Clock::Hand { speed_m_s: rms, drift: drift(law, residuals, &factor) }
+    } else {
+        Clock::Seconds { speed_share: share, speed_rms_m_s: rms }
+    };
+    Noise { factor, shares, correlation_time_s: time, white_interval_s: step, clock }
+}
+
+/// The clock of a law without noise of n joints.
+pub(super) fn no_noise(frames: &[&Frame], n: usize, goes_with_hand: bool) -> Noise {
+    let plain = Noise::none(n);
+    let by_hand = Clock::Hand { speed_m_s: usual_speed(frames), drift: Drift::NONE };
+    Noise { clock: if goes_with_hand { by_hand } else { plain.clock }, ..plain }
+}
+
+/// Rms hand speed, m/s.
+fn usual_speed(frames: &[&Frame]) -> f64 {
+    let squares: f64 = frames.iter().map(|f| speed_squared(f.xdot.as_slice())).sum();
+    (squares / frames.len().max(1) as f64).sqrt().max(1e-9)
+}
+
+/// Time by the hand's clock of each frame since the start of its trial, s.
+pub(super) fn hand_times(frames: &[&Frame], usual_m_s: f64) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..frames.len()).collect();
+    order.sort_by_key(|&i| (frames[i].trial, frames[i].index));
+    let mut times = vec![0.0; frames.len()];
+    for pair in order.windows(2) {
+        let [a, b] = [frames[pair[0]], frames[pair[1]]];
+        if a.trial == b.trial {
+            let speed = |f: &Frame| speed_squared(f.xdot.as_slice()).sqrt();
+            let travel = 0.5 * (speed(a) + speed(b)) * (b.time_s - a.time_s);
+            times[pair[1]] = times[pair[0]] + travel / usual_m_s;
+        }
     }
+    times
+}
+
+/// Which of the frames are ones in which the hand rests.
+pub(super) fn at_rest(frames: &[&Frame]) -> Vec<bool> {
+    let is_slow = |f: &Frame| f.xdot.iter().take(3).map(|v| v * v).sum::<f64>() < REST_M_S.powi(2);
+    let mut found = vec![false; frames.len()];
+    let mut from = 0;
+    for at in 0..frames.len() {
+        let [first, here] = [frames[from], frames[at]];
+        if !is_slow(here) {
+            from = at + 1;
+        } else if first.trial != here.trial || here.index - first.index != at - from {
+            from = at;
+        } else if here.time_s - first.time_s >= REST_S {
+            found[from..=at].fill(true);
+        }
+    }
+    found
+}
+
+/// The drift, with the directions of the noise: such that what the task leaves of it is what joints do
+/// in frames in which the hand rests, or what they are assumed to do where there are none.
+fn drift(law: &PostureLaw, residuals: &[Residual], factor: &DMatrix<f64>) -> Drift {
+    let frames: Vec<&Frame> = residuals.iter().map(|r| r.frame).collect();
+    let rests = residuals.iter().zip(at_rest(&frames)).filter(|(_, rests)| *rests);
+    let still: Vec<&Residual> = rests.map(|(r, _)| r).collect();
+    let n = law.dof() as f64;
+    let (mut speed, mut time_s) = (ASSUMED_SPEED_RAD_S, ASSUMED_TIME_S);
+    if !still.is_empty() {
+        let values: Vec<DVector<f64>> = still.iter().map(|r| r.value.clone()).collect();
+        let squares: f64 = values.iter().map(DVector::norm_squared).sum();
+        speed = (squares / (n * values.len() as f64)).sqrt();
+        let frames: Vec<&Frame> = still.iter().map(|r| r.frame).collect();
+        if let Some((lag_s, _)) = autocorrelation_time(&frames, &values) {
+            time_s = lag_s / DRIFT_LAG;
+        }
+    }
+    // The part of the noise that the task leaves, at these frames.
+    let left: Vec<f64> = at_most(&frames, FRAMES)
+        .into_iter()
+        .filter_map(|f| {
+            let pinv = weighted_pseudo_inverse(&f.jacobian, &law.weight)?;
+            Some((factor - pinv * (&f.jacobian * factor)).norm_squared())
+        })
+        .collect();
+    let share = crate::math::stats::mean(&left) / factor.norm_squared();
+    let speed_rad_s = if share > 0.0 { speed / share.sqrt() } else { 0.0 };
+    Drift { speed_rad_s, time_s }
 }
 
 /// The share with the largest likelihood of isotropic residuals.
@@ -213,10 +302,46 @@ pub(super) fn autocorrelation_time(frames: &[&Frame], rows: &[DVector<f64>]) -> 
     Some((before.0.max(1.0) * step, step))
 }
 
-/// Shares of the variance, correlation time (s) and time step (s).
-fn shares(frames: &[&Frame], unit: &[DVector<f64>]) -> (NoiseShares, f64, f64) {
+/// The same over lags of given times (s) of the frames, in bins of a time step.
+fn autocorrelation_by(
+    frames: &[&Frame],
+    rows: &[DVector<f64>],
+    times: &[f64],
+) -> Option<(Curve, f64)> {
+    let (curve, step) = autocorrelation(frames, rows)?;
+    let most = curve.last().map_or(0, |c| c.0);
+    let mut order: Vec<usize> = (0..frames.len()).collect();
+    order.sort_by_key(|&i| (frames[i].trial, frames[i].index));
+    let power = rows.iter().map(DVector::norm_squared).sum::<f64>() / rows.len().max(1) as f64;
+    let mut bins = vec![(0.0, 0.0); most + 1];
+    for (at, &i) in order.iter().enumerate() {
+        for &j in &order[at + 1..] {
+            let lag = ((times[j] - times[i]) / step).round();
+            if frames[j].trial != frames[i].trial || lag > most as f64 {
+                break;
+            }
+            let bin = &mut bins[lag as usize];
+            bin.0 += rows[i].dot(&rows[j]);
+            bin.1 += 1.0;
+        }
+    }
+    let curve = bins.iter().enumerate().skip(1).filter(|(_, b)| b.1 > 0.0);
+    Some((curve.map(|(lag, b)| (lag, b.0 / b.1 / power, b.1)).collect(), step))
+}
+
+/// Shares of the variance, correlation time (s) and time step (s), by times of the frames (s) other
+/// than true time where they are given.
+fn shares(
+    frames: &[&Frame],
+    unit: &[DVector<f64>],
+    times: Option<&[f64]>,
+) -> (NoiseShares, f64, f64) {
     let white = NoiseShares { white: 1.0, correlated: 0.0, lasting: 0.0 };
-    let Some((curve, step)) = autocorrelation(frames, unit) else {
+    let curve = match times {
+        Some(times) => autocorrelation_by(frames, unit, times),
+        None => autocorrelation(frames, unit),
+    };
+    let Some((curve, step)) = curve else {
         let correlated = NoiseShares { white: 0.0, correlated: 1.0, lasting: 0.0 };
         return (correlated, 0.1, 0.1);
     };
@@ -288,6 +413,31 @@ mod tests {
     use crate::training::dataset::tests::made_up;
 
     #[test]
+    fn only_a_hand_that_stays_slow_rests() {
+        let mut data = made_up(2, 2.0, 30.0);
+        for f in &mut data.frames {
+            // 0.33 s, then 0.27 s, then a rest that begins in the next trial.
+            let slow = match f.trial {
+                0 => (10..=20).contains(&f.index) || (30..=38).contains(&f.index) || f.index >= 55,
+                _ => f.index < 6 || f.index >= 40,
+            };
+            f.xdot[0] = if slow { 0.01 } else { 0.5 };
+            f.xdot[1] = 0.0;
+            f.xdot[2] = 0.0;
+        }
+        let frames: Vec<&Frame> = data.frames.iter().collect();
+        let found: Vec<(usize, usize)> = frames
+            .iter()
+            .zip(at_rest(&frames))
+            .filter(|(_, rests)| *rests)
+            .map(|(f, _)| (f.trial, f.index))
+            .collect();
+        let wanted: Vec<(usize, usize)> =
+            (10..=20).map(|i| (0, i)).chain((40..60).map(|i| (1, i))).collect();
+        assert_eq!(found, wanted);
+    }
+
+    #[test]
     fn known_noise_is_found_again() {
         // Seen only through the null space, with a speed gain and all three parts in time.
         let data = made_up(60, 8.0, 30.0);
@@ -305,8 +455,10 @@ mod tests {
             shares: NoiseShares { white: 0.2, correlated: 0.5, lasting: 0.3 },
             correlation_time_s: 0.3,
             white_interval_s: 1.0 / 30.0,
-            speed_share: 0.5,
-            speed_rms_m_s: (squares / frames.len() as f64).sqrt(),
+            clock: Clock::Seconds {
+                speed_share: 0.5,
+                speed_rms_m_s: (squares / frames.len() as f64).sqrt(),
+            },
         };
         let mut residuals = Vec::new();
         for (r, run) in runs(&frames).iter().enumerate() {
@@ -319,8 +471,9 @@ mod tests {
                 Residual { frame, value, growth: DVector::from_element(24, 1.0) }
             }));
         }
-        let found = learn_noise(&law, &residuals);
-        assert!((found.speed_share - 0.5).abs() < 0.26, "{}", found.speed_share);
+        let found = learn_noise(&law, &residuals, false);
+        let Clock::Seconds { speed_share, .. } = found.clock else { panic!("{:?}", found.clock) };
+        assert!((speed_share - 0.5).abs() < 0.26, "{speed_share}");
         assert!((found.shares.white - 0.2).abs() < 0.08, "{:?}", found.shares);
         assert!((found.shares.correlated - 0.5).abs() < 0.15, "{:?}", found.shares);
         assert!((found.correlation_time_s - 0.3).abs() < 0.11, "{}", found.correlation_time_s);

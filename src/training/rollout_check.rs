@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! path error   mean over time of the rms over joints of q_rollout - q_recorded, without noise, deg
+//! rest         rms joint speed while the hand rests: of people drawn by the law, and recorded, deg/s
 //! drift        rms over joints of the change of posture after three trips there and back, deg
 //! coverage     share of recorded joint angles inside the central 50 and 90 % band of rollouts
 //! LL           log-likelihood of a whole held-out trajectory of joint velocities, nats per frame
@@ -10,13 +11,18 @@
 //! Every walk starts from the person's own first posture. Where one ends early, its last posture counts.
 //!
 //! Before it is judged the noise is *calibrated*: multiplied by the factor at which the 90 % band of
-//! rollouts on blocks of the training part, by laws that had not seen them, covers 90 % there.
+//! rollouts on held-out parts of the training part, by laws that had not seen them, covers 90 % there.
+//! Of several trials whole ones are held out. A single trial does not show how repetitions differ: beside
+//! blocks of it, its later parts are held out after the earlier ones.
+//!
+//! A band from R rollouts ends at the p (R + 1)-th of them, in order: there another draw of the same
+//! sampler lies inside as often as promised, whatever R.
 
 use super::dataset::{Dataset, Fold, Frame, runs};
 use super::evaluate::log_normal;
 use super::methods::{Law, learn_laws, singular};
-use super::noise_fit::learn_noise;
-use super::settings::TrainSettings;
+use super::noise_fit::{at_rest, hand_times, learn_noise, no_noise};
+use super::settings::{PullRule, TrainSettings};
 use super::spread::{learn_attraction, pull, unseen_residuals};
 use crate::files::InputError;
 use crate::math::Pose;
@@ -24,7 +30,7 @@ use crate::math::redundancy::{null_space_basis, weighted_pseudo_inverse};
 use crate::math::stats::quantile_of_sorted;
 use crate::math::stream::{Purpose, stream};
 use crate::posture::{
-    Floors, HandPath, Noise, PostureLaw, Rollout, Sampler, Sampling, Start, roll_out,
+    Clock, Floors, HandPath, Noise, PostureLaw, Rollout, Sampler, Sampling, Start, roll_out,
 };
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -33,13 +39,19 @@ use serde::{Deserialize, Serialize};
 /// Rollouts of a band, and while the noise is calibrated.
 pub(super) const ROLLOUTS: u32 = 100;
 const CALIBRATION_ROLLOUTS: u32 = 40;
-/// Coverage at which the noise is calibrated. The quantiles of 40 rollouts lie inside those of the
-/// distribution, so that a perfect sampler would show 0.856; a little more is asked, because movements
-/// nobody has seen differ more than blocks of the training part do.
-const TARGET: f64 = 0.88;
+/// Coverage at which the noise is calibrated.
+const TARGET: f64 = 0.9;
+/// Fewest frames from which a law is learned for that.
+const FEWEST_FRAMES: usize = 20;
+/// Shares of a single trial after which its later part is held out.
+const EARLIER: [f64; 2] = [0.5, 0.7];
 /// Range of the calibration factor, and halvings of it.
 const FACTORS: (f64, f64) = (0.4, 3.0);
 const HALVINGS: usize = 6;
+/// A rest: people, samples and the time between them, s.
+const REST_PEOPLE: u32 = 20;
+const REST_SAMPLES: u32 = 30;
+const REST_STEP_S: f64 = 1.0 / 30.0;
 /// Longest path of a walk, frames: bands over minutes would say nothing about a movement.
 const LONGEST_RUN: usize = 300;
 /// Dimensions of the largest Gaussian of a whole trajectory.
@@ -51,8 +63,13 @@ const LARGEST_GAUSSIAN: usize = 1500;
 pub struct RolloutScore {
     /// Mean joint error along held-out paths without the pull, deg.
     pub path_error_deg: f64,
-    /// The same with the pull.
+    /// The same with the pull of the settings; per metre where they have none.
     pub pulled_path_error_deg: f64,
+    /// The same with the pull per metre, and per second.
+    pub rule_error_deg: (f64, f64),
+    /// Rms joint speed while the hand rests for a second: of people drawn, and where the recorded hand
+    /// rests in the test part, deg/s.
+    pub rest_deg_s: (f64, Option<f64>),
     /// Change of posture after three trips there and back, without and with the pull, deg.
     pub drift_deg: (f64, f64),
     /// What the bands held.
@@ -93,20 +110,28 @@ pub fn check_rollouts(
     floors: &Floors,
 ) -> Result<RolloutScore, InputError> {
     let train = dataset.select(&fold.train);
-    let pulled_settings = TrainSettings { has_attraction: true, ..settings.clone() };
-    // The direct process has no task to be pulled along.
-    let attraction = learn_attraction(dataset, &train, &pulled_settings);
     let test = dataset.select(&fold.test);
     let paths = pieces(&test);
-    let free = law.law.clone();
-    let pulled = PostureLaw { attraction: attraction.clone(), ..law.law.clone() };
+    let by_rule = |rule: PullRule| {
+        let settings = TrainSettings { pull: Some(rule), ..settings.clone() };
+        walking_law(dataset, &train, &law.law, &settings, true)
+    };
+    let [free, per_metre, per_second] =
+        [PullRule::None, PullRule::PerMetre, PullRule::PerSecond].map(by_rule);
+    let pulled =
+        if settings.goes_with_hand(dataset.person.is_some()) { &per_metre } else { &per_second };
+    let error = |law: &PostureLaw| path_error_deg(dataset, law, &test);
     let (sampled, walking) = sampled_law(dataset, &fold.train, law, settings)?;
     let (bands, reach_exceeded_share) =
         bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
+    let (pull_metre, pull_second) = (error(&per_metre), error(&per_second));
+    let by_hand = std::ptr::eq(pulled, &raw const per_metre);
     Ok(RolloutScore {
-        path_error_deg: path_error_deg(dataset, &free, &test),
-        pulled_path_error_deg: path_error_deg(dataset, &pulled, &test),
-        drift_deg: (drift_deg(dataset, &free, &paths), drift_deg(dataset, &pulled, &paths)),
+        path_error_deg: error(&free),
+        pulled_path_error_deg: if by_hand { pull_metre } else { pull_second },
+        rule_error_deg: (pull_metre, pull_second),
+        rest_deg_s: (rest_deg_s(dataset, &sampled, &paths, settings)?, recorded_rest_deg_s(&test)),
+        drift_deg: (drift_deg(dataset, &free, &paths), drift_deg(dataset, pulled, &paths)),
         bands,
         trajectory_ll: trajectory_ll(dataset, &sampled, &paths, floors)?,
         calibration: walking.calibration,
@@ -130,10 +155,56 @@ pub(super) fn sampled_law(
         walking.calibration = 1.0;
     }
     let frames = dataset.select(train);
-    let attraction =
-        if walking.is_pulled { learn_attraction(dataset, &frames, settings) } else { None };
+    let own = walking_law(dataset, &frames, &law.law, settings, walking.is_pulled);
     let noise = walking.noise.clone();
-    Ok((PostureLaw { attraction, noise, ..law.law.clone() }, walking))
+    Ok((PostureLaw { noise, ..own }, walking))
+}
+
+/// A law with its clock, and with the pull of the settings where `is_pulled`; it has no noise yet.
+fn walking_law(
+    dataset: &Dataset,
+    train: &[&Frame],
+    law: &PostureLaw,
+    settings: &TrainSettings,
+    is_pulled: bool,
+) -> PostureLaw {
+    let goes_with_hand = settings.goes_with_hand(dataset.person.is_some());
+    let attraction = if is_pulled { learn_attraction(dataset, train, settings) } else { None };
+    PostureLaw { attraction, noise: no_noise(train, law.dof(), goes_with_hand), ..law.clone() }
+}
+
+/// Rms joint speed of people whose hand rests at the first place of each path for a second, deg/s.
+fn rest_deg_s(
+    dataset: &Dataset,
+    law: &PostureLaw,
+    paths: &[Vec<&Frame>],
+    settings: &TrainSettings,
+) -> Result<f64, InputError> {
+    let sampler = Sampler::new(law, settings.sampling).ok_or_else(singular)?;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (p, run) in paths.iter().enumerate() {
+        let time: Vec<f64> = (0..=REST_SAMPLES).map(|i| REST_STEP_S * f64::from(i)).collect();
+        let hands = vec![run[0].hand; time.len()];
+        let path = HandPath::new(&dataset.coupling, law, time, hands);
+        let start = Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false };
+        for r in 0..REST_PEOPLE {
+            let mut rng = stream(settings.seed, Purpose::Posture, p as u32, r);
+            let person = sampler.draw(&mut rng, &path);
+            let walk = roll_out(&dataset.coupling, law, &path, &start, Some(&person));
+            for pair in walk.q.windows(2) {
+                sum += rms_deg(&((&pair[1] - &pair[0]) / REST_STEP_S)).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    Ok((sum / f64::max(count, 1.0)).sqrt())
+}
+
+/// Rms joint speed of the frames in which the recorded hand rests, deg/s.
+fn recorded_rest_deg_s(frames: &[&Frame]) -> Option<f64> {
+    let rests = frames.iter().zip(at_rest(frames)).filter(|(_, rests)| *rests);
+    let squares: Vec<f64> = rests.map(|(f, _)| rms_deg(&f.qdot).powi(2)).collect();
+    (!squares.is_empty()).then(|| crate::math::stats::mean(&squares).sqrt())
 }
 
 /// Uninterrupted paths of a length that a band makes sense for.
@@ -151,7 +222,7 @@ pub(super) fn pieces<'a>(frames: &[&'a Frame]) -> Vec<Vec<&'a Frame>> {
 pub struct Walking {
     /// The noise, multiplied by `calibration`.
     pub noise: Noise,
-    /// The factor at which the 90 % band covers 90 % on blocks of the training part.
+    /// The factor at which the 90 % band covers 90 % on what was held out of the training part.
     pub calibration: f64,
     /// Whether to pull towards the person's own postures: asked for, and the path error on blocks of
     /// the training part is smaller with it.
@@ -170,45 +241,88 @@ pub fn learn_walking(
     law: &Law,
     settings: &TrainSettings,
 ) -> Result<Walking, InputError> {
+    let is_person = dataset.person.is_some();
     let inner = dataset.blocks_of(train);
-    let laws = std::slice::from_ref(law);
-    let stature_m = dataset.coupling.stature_m();
-    let mut blocks: Vec<(PostureLaw, Vec<&Frame>)> = Vec::new();
-    for fold in &inner {
-        let frames = dataset.select(&fold.train);
-        let own = learn_laws(&[law.method], &frames, stature_m, settings, Some(laws))?;
-        let attraction = learn_attraction(dataset, &frames, settings);
-        if let Some(own) = own.into_iter().next() {
-            blocks.push((PostureLaw { attraction, ..own.law }, dataset.select(&fold.test)));
-        }
-    }
-    let pull_error_deg = settings.has_attraction.then(|| {
-        let mean_error = |is_pulled: bool| {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for (law, test) in &blocks {
-                let free = PostureLaw { attraction: None, ..law.clone() };
-                let used = if is_pulled { law } else { &free };
-                sum += test.len() as f64 * path_error_deg(dataset, used, test);
-                count += test.len() as f64;
-            }
-            sum / f64::max(count, 1.0)
-        };
-        (mean_error(false), mean_error(true))
-    });
+    let mut blocks = held_out_laws(dataset, &inner, law, settings)?;
+    let is_asked = settings.pull_for(is_person) != PullRule::None;
+    let pull_error_deg =
+        is_asked.then(|| (mean_error(dataset, &blocks, false), mean_error(dataset, &blocks, true)));
     let is_pulled = pull_error_deg.is_some_and(|(free, pulled)| pulled < free);
+    let mut later = held_out_laws(dataset, &later_parts(dataset, train), law, settings)?;
     if !is_pulled {
-        for (law, _) in &mut blocks {
-            law.attraction = None;
+        blocks.iter_mut().chain(&mut later).for_each(|(law, _)| law.attraction = None);
+    }
+    let laws = std::slice::from_ref(law);
+    let unseen = unseen_residuals(dataset, &inner, laws, settings, is_pulled)?;
+    let noise = learn_noise(&law.law, &unseen[0], settings.goes_with_hand(is_person));
+    let held_out: Vec<HeldOut> = blocks.into_iter().chain(later).collect();
+    let calibration = calibrate(dataset, &held_out, &noise, settings.seed)?;
+    let noise = Noise { factor: &noise.factor * calibration, ..noise };
+    Ok(Walking { noise, calibration, is_pulled, pull_error_deg })
+}
+
+/// A law that has not seen some frames, and the frames.
+type HeldOut<'a> = (PostureLaw, Vec<&'a Frame>);
+
+/// Relearns a law for each fold, with its clock and the pull of the settings.
+fn held_out_laws<'a>(
+    dataset: &'a Dataset,
+    folds: &[Fold],
+    law: &Law,
+    settings: &TrainSettings,
+) -> Result<Vec<HeldOut<'a>>, InputError> {
+    let stature_m = dataset.coupling.stature_m();
+    let known = Some(std::slice::from_ref(law));
+    let mut found = Vec::new();
+    for fold in folds {
+        let frames = dataset.select(&fold.train);
+        let own = learn_laws(&[law.method], &frames, stature_m, settings, known)?;
+        if let Some(own) = own.into_iter().next() {
+            let own = walking_law(dataset, &frames, &own.law, settings, true);
+            found.push((own, dataset.select(&fold.test)));
         }
     }
-    let unseen = unseen_residuals(dataset, &inner, laws, settings, is_pulled)?;
-    let noise = learn_noise(&law.law, &unseen[0]);
+    Ok(found)
+}
+
+/// The later parts of a single trial, each after an earlier one; none of several trials.
+fn later_parts(dataset: &Dataset, train: &[usize]) -> Vec<Fold> {
+    let first = train.first().map(|&i| dataset.frames[i].trial);
+    if train.iter().any(|&i| Some(dataset.frames[i].trial) != first) {
+        return Vec::new();
+    }
+    let folds = EARLIER.iter().map(|share| {
+        let (earlier, later) = train.split_at((share * train.len() as f64).round() as usize);
+        Fold { train: earlier.to_vec(), test: later.to_vec() }
+    });
+    folds.filter(|f| f.train.len() >= FEWEST_FRAMES && !f.test.is_empty()).collect()
+}
+
+/// Mean path error over what was held out, weighted by frames, deg.
+fn mean_error(dataset: &Dataset, held_out: &[HeldOut], is_pulled: bool) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (law, test) in held_out {
+        let free = PostureLaw { attraction: None, ..law.clone() };
+        let used = if is_pulled { law } else { &free };
+        sum += test.len() as f64 * path_error_deg(dataset, used, test);
+        count += test.len() as f64;
+    }
+    sum / f64::max(count, 1.0)
+}
+
+/// The factor of the noise at which the 90 % band covers 90 % of what was held out.
+fn calibrate(
+    dataset: &Dataset,
+    held_out: &[HeldOut],
+    noise: &Noise,
+    seed: u64,
+) -> Result<f64, InputError> {
     let coverage = |factor: f64| -> Result<f64, InputError> {
         let (mut sum, mut count) = (0.0, 0.0);
-        for (own, test) in &blocks {
+        for (own, test) in held_out {
             let scaled = Noise { factor: &noise.factor * factor, ..noise.clone() };
             let own = PostureLaw { noise: scaled, ..own.clone() };
-            let how = (settings.seed, Sampling::Pathwise);
+            let how = (seed, Sampling::Pathwise);
             let (b, _) = bands(dataset, &own, &pieces(test), CALIBRATION_ROLLOUTS, how)?;
             sum += test.len() as f64 * b.coverage_90;
             count += test.len() as f64;
@@ -221,9 +335,7 @@ pub fn learn_walking(
         let middle = 0.5 * (low + high);
         if coverage(middle.exp())? < TARGET { low = middle } else { high = middle }
     }
-    let calibration = (0.5 * (low + high)).exp();
-    let noise = Noise { factor: &noise.factor * calibration, ..noise };
-    Ok(Walking { noise, calibration, is_pulled, pull_error_deg })
+    Ok((0.5 * (low + high)).exp())
 }
 
 fn walk_path(dataset: &Dataset, law: &PostureLaw, run: &[&Frame]) -> (HandPath, Start) {
@@ -287,15 +399,20 @@ pub(super) fn walks(
     (rollouts, seed): (u32, u64),
 ) -> Vec<Rollout> {
     let (path, start) = walk_path(dataset, law, run);
-    let dt = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
     (0..rollouts)
         .into_par_iter()
         .map(|r| {
             let mut rng = stream(seed, Purpose::Posture, p as u32, r);
-            let person = sampler.draw(&mut rng, run.len(), dt);
+            let person = sampler.draw(&mut rng, &path);
             roll_out(&dataset.coupling, law, &path, &start, Some(&person))
         })
         .collect()
+}
+
+/// The value (of sorted ones, R) below which another draw lies with probability p: the p (R + 1)-th.
+pub(super) fn band_end(sorted: &[f64], p: f64) -> f64 {
+    let count = sorted.len() as f64;
+    quantile_of_sorted(sorted, ((p * (count + 1.0) - 1.0) / (count - 1.0)).clamp(0.0, 1.0))
 }
 
 /// Bands of sampled rollouts along paths, and the share of walks that could not continue.
@@ -318,7 +435,7 @@ pub(super) fn bands(
             for j in 0..n {
                 values.iter_mut().zip(&walks).for_each(|(v, w)| *v = w.q[k][j]);
                 values.sort_by(f64::total_cmp);
-                let at = |p: f64| quantile_of_sorted(&values, p);
+                let at = |p: f64| band_end(&values, p);
                 let inside = |low: f64, high: f64| {
                     f64::from(u8::from(frame.q[j] >= low && frame.q[j] <= high))
                 };
@@ -346,6 +463,19 @@ pub(super) fn bands(
     Ok((bands, ended as f64 / walks))
 }
 
+/// Time by the clock of the noise at each frame of a run, s; no two frames share it.
+fn clock_times(run: &[&Frame], noise: &Noise) -> Vec<f64> {
+    match noise.clock {
+        Clock::Hand { speed_m_s, .. } => hand_times(run, speed_m_s)
+            .into_iter()
+            .enumerate()
+            // White noise is of one frame only, even where the hand rests.
+            .map(|(i, t)| t + 1e-9 * i as f64)
+            .collect(),
+        Clock::Seconds { .. } => run.iter().map(|f| f.time_s).collect(),
+    }
+}
+
 /// Log-likelihood of trajectories of joint velocities under noise that is correlated in time, nats per
 /// frame: the residuals in the null space as one Gaussian.
 fn trajectory_ll(
@@ -361,12 +491,13 @@ fn trajectory_ll(
     for run in paths.iter().flat_map(|p| p.chunks((LARGEST_GAUSSIAN / k).max(2))) {
         let queries: Vec<_> = run.iter().map(|f| f.query()).collect();
         let growth = law.growth(&posteriors, &queries);
+        let by_clock = clock_times(run, &law.noise);
         let mut residuals = DVector::zeros(k * run.len());
         let mut roots = Vec::with_capacity(run.len());
         for (t, (frame, growth)) in run.iter().zip(&growth).enumerate() {
             let pulled = pull(law.attraction.as_ref(), frame, dataset.coupling.stature_m());
             let mean = law.expected(&frame.query(), &pulled).ok_or_else(singular)?;
-            let mut root = law.noise.factor.clone() * law.noise.gain(frame.xdot.as_slice());
+            let mut root = law.noise.factor.clone();
             for (mut row, g) in root.row_iter_mut().zip(growth.iter()) {
                 row *= *g;
             }
@@ -384,10 +515,13 @@ fn trajectory_ll(
             roots.push(&vt * (&root - pinv * (&frame.jacobian * &root)));
         }
         let mut covariance = DMatrix::zeros(k * run.len(), k * run.len());
+        let gains: Vec<f64> = run.iter().map(|f| law.noise.gain(f.xdot.as_slice())).collect();
         for (a, ra) in roots.iter().enumerate() {
             for (b, rb) in roots.iter().enumerate().take(a + 1) {
-                let lag = run[a].time_s - run[b].time_s;
-                let block = ra * rb.transpose() * law.noise.correlation(lag);
+                let own = if a == b { 0.0 } else { by_clock[a] - by_clock[b] };
+                let moving = gains[a] * gains[b] * law.noise.correlation(own);
+                let drifting = law.noise.drift_correlation(run[a].time_s - run[b].time_s);
+                let block = ra * rb.transpose() * (moving + drifting);
                 covariance.view_mut((a * k, b * k), (k, k)).copy_from(&block);
                 covariance.view_mut((b * k, a * k), (k, k)).copy_from(&block.transpose());
             }
@@ -399,4 +533,41 @@ fn trajectory_ll(
         count += run.len() as f64;
     }
     Ok(sum / f64::max(count, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::stream::normals;
+    use crate::training::dataset::tests::made_up;
+
+    #[test]
+    fn a_band_holds_what_it_promises_whatever_the_number_of_rollouts() {
+        for rollouts in [20, 40, 100] {
+            let mut rng = stream(1, Purpose::Simulation, 2, rollouts);
+            let mut inside = 0;
+            for _ in 0..20_000 {
+                let fresh = normals(&mut rng, 1)[0];
+                let mut values = normals(&mut rng, rollouts as usize);
+                values.sort_by(f64::total_cmp);
+                let within = fresh >= band_end(&values, 0.05) && fresh <= band_end(&values, 0.95);
+                inside += u32::from(within);
+            }
+            let share = f64::from(inside) / 20_000.0;
+            assert!((share - 0.9).abs() < 0.01, "{rollouts}: {share}");
+        }
+    }
+
+    #[test]
+    fn later_parts_are_held_out_of_a_single_trial_only() {
+        let one = made_up(1, 4.0, 30.0);
+        let every: Vec<usize> = (0..one.frames.len()).collect();
+        let parts = later_parts(&one, &every);
+        let sizes: Vec<_> = parts.iter().map(|f| (f.train.len(), f.test.len())).collect();
+        assert_eq!(sizes, [(60, 60), (84, 36)]);
+        assert!(parts.iter().all(|f| f.train.iter().max() < f.test.iter().min()));
+        let two = made_up(2, 4.0, 30.0);
+        let every: Vec<usize> = (0..two.frames.len()).collect();
+        assert!(later_parts(&two, &every).is_empty());
+    }
 }

@@ -150,8 +150,8 @@ impl SimulatedMovements {
             start_postures(coupling, &operator.postures, &rule, &from, (*seed, draw), 0..1);
         let start = starts.first().filter(|s| s.q.is_some() && !s.is_unusual)?;
         let sampler = Sampler::new(&operator.law, Sampling::Pathwise)?;
-        let person = sampler.draw(&mut rng, times.len(), 1.0 / RATE_HZ);
         let path = HandPath::new(coupling, &operator.law, times.clone(), hands);
+        let person = sampler.draw(&mut rng, &path);
         let rollout = roll_out(coupling, &operator.law, &path, start, Some(&person));
         if rollout.reach_exceeded_at.is_some() {
             return None;

@@ -11,10 +11,10 @@
 
 use super::dataset::{Dataset, Fold, Frame, at_most, sparse};
 use super::methods::{Law, learn_laws, singular};
-use super::settings::TrainSettings;
+use super::settings::{PullRule, TrainSettings};
 use crate::files::InputError;
 use crate::math::Pose;
-use crate::posture::{Attraction, Method, PostureDistribution};
+use crate::posture::{Attraction, Method, PostureDistribution, Pull};
 use nalgebra::{DMatrix, DVector};
 
 pub(super) use super::noise_fit::autocorrelation_time;
@@ -40,9 +40,11 @@ pub fn learn_attraction(
     frames: &[&Frame],
     settings: &TrainSettings,
 ) -> Option<Attraction> {
-    if !settings.has_attraction {
-        return None;
-    }
+    let pull = match settings.pull_for(dataset.person.is_some()) {
+        PullRule::PerMetre => Pull::Metre { length_m: settings.attraction_length_m },
+        PullRule::PerSecond => Pull::Second { rate_per_s: settings.attraction_rate_per_s },
+        PullRule::None => return None,
+    };
     let kept = at_most(&sparse(frames), settings.attraction_postures);
     let hands: Vec<Pose> = kept.iter().map(|f| f.hand).collect();
     let rows: Vec<_> = kept.iter().map(|f| f.q.transpose()).collect();
@@ -50,7 +52,7 @@ pub fn learn_attraction(
         &hands,
         DMatrix::from_rows(&rows),
         dataset.coupling.stature_m(),
-        settings.attraction_rate_per_s,
+        pull,
         settings.attraction_length,
         settings.attraction_noise,
     ))
@@ -60,11 +62,7 @@ pub fn learn_attraction(
 pub fn pull(attraction: Option<&Attraction>, frame: &Frame, stature_m: f64) -> DVector<f64> {
     attraction.map_or_else(
         || DVector::zeros(frame.q.len()),
-        |a| {
-            let usual = a.usual_posture(&frame.hand, stature_m);
-            let rate = a.rate() * usual.trust();
-            (usual.posture - &frame.q) * rate
-        },
+        |a| a.pull_velocity(&frame.hand, frame.xdot.as_slice(), &frame.q, stature_m),
     )
 }
 

@@ -10,12 +10,13 @@ use super::dataset::{Dataset, Frame};
 use super::evaluate::{Judging, MethodScore, evaluate};
 use super::methods::{Law, learn_laws};
 use super::rollout_check::{Walking, learn_walking};
-use super::settings::TrainSettings;
+use super::settings::{PullRule, TrainSettings};
 use super::spread::{learn_attraction, learn_postures};
 use crate::files::InputError;
 use crate::math::stats::mean;
 use crate::posture::{
-    Method, MethodQuality, Noise, PostureDistribution, PostureLaw, PostureModel, Provenance,
+    Clock, Drift, Method, MethodQuality, Noise, PostureDistribution, PostureLaw, PostureModel,
+    Provenance,
 };
 use nalgebra::DMatrix;
 
@@ -70,7 +71,7 @@ pub fn learn(
     let walking = learn_walking(dataset, &every, &law, settings)?;
     let noise = &walking.noise;
     let mut provenance = provenance;
-    provenance.settings.extend(described(settings, &law, &walking, dataset.trials));
+    provenance.settings.extend(described(settings, &law, &walking, dataset));
     provenance.notes.extend(notes(dataset, &law, &walking, settings));
     let postures = learn_postures(&all);
     let weight = symmetric(&rounded_matrix(&law.law.weight));
@@ -91,7 +92,7 @@ pub fn learn(
                 factor: rounded_matrix(&noise.factor),
                 correlation_time_s: rounded(noise.correlation_time_s, DIGITS),
                 white_interval_s: rounded(noise.white_interval_s, DIGITS),
-                speed_rms_m_s: rounded(noise.speed_rms_m_s, DIGITS),
+                clock: rounded_clock(noise.clock),
                 ..noise.clone()
             },
             ..law.law
@@ -133,22 +134,29 @@ fn described(
     settings: &TrainSettings,
     law: &Law,
     walking: &Walking,
-    trials: usize,
+    dataset: &Dataset,
 ) -> Vec<(String, String)> {
     let Walking { noise, calibration, .. } = walking;
+    let pull = settings.pull_for(dataset.person.is_some());
     let mut list = vec![("method", law.method.name().to_owned())];
     if let Some(a) = law.shrinkage {
         list.push(("shrinkage", a.to_string()));
         list.push(("diagonal_share", settings.diagonal_share.to_string()));
     }
     if walking.is_pulled {
-        list.push(("attraction_rate_per_s", settings.attraction_rate_per_s.to_string()));
+        list.push(("pull", pull.name().to_owned()));
+        match pull {
+            PullRule::PerMetre => {
+                list.push(("attraction_length_m", settings.attraction_length_m.to_string()));
+            }
+            _ => list.push(("attraction_rate_per_s", settings.attraction_rate_per_s.to_string())),
+        }
         list.push(("attraction_length", settings.attraction_length.to_string()));
         list.push(("attraction_noise", settings.attraction_noise.to_string()));
         list.push(("attraction_postures", settings.attraction_postures.to_string()));
     }
     if law.method == Method::MiNsgp {
-        list.push(("objective", settings.objective_for(trials).name().to_owned()));
+        list.push(("objective", settings.objective_for(dataset.trials).name().to_owned()));
         list.push(("optimiser", settings.optimiser.name().to_owned()));
         list.push(("weight_prior_sd", settings.weight_prior_sd.to_string()));
     }
@@ -160,7 +168,15 @@ fn described(
     if law.method.has_process() {
         list.push(("noise_ratio_floor", settings.noise_ratio_floor.to_string()));
     }
-    list.push(("noise_speed_share", noise.speed_share.to_string()));
+    match noise.clock {
+        Clock::Hand { speed_m_s, drift } => {
+            list.push(("usual_hand_speed_m_s", format!("{speed_m_s:.4}")));
+            list.push(("drift_deg_s", format!("{:.3}", drift.speed_rad_s.to_degrees())));
+        }
+        Clock::Seconds { speed_share, .. } => {
+            list.push(("noise_speed_share", speed_share.to_string()));
+        }
+    }
     list.push(("noise_calibration", format!("{calibration:.4}")));
     list.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
 }
@@ -191,6 +207,19 @@ fn notes(dataset: &Dataset, law: &Law, walking: &Walking, settings: &TrainSettin
         }
     }
     notes
+}
+
+fn rounded_clock(clock: Clock) -> Clock {
+    let short = |v: f64| rounded(v, DIGITS);
+    match clock {
+        Clock::Hand { speed_m_s, drift: Drift { speed_rad_s, time_s } } => Clock::Hand {
+            speed_m_s: short(speed_m_s),
+            drift: Drift { speed_rad_s: short(speed_rad_s), time_s: short(time_s) },
+        },
+        Clock::Seconds { speed_share, speed_rms_m_s } => {
+            Clock::Seconds { speed_share, speed_rms_m_s: short(speed_rms_m_s) }
+        }
+    }
 }
 
 /// `value` with a number of significant digits.

@@ -134,7 +134,13 @@ fn breaks_limits(result: &RunResult, path: &str) -> String {
 
 fn lower_mean(result: &RunResult, path: &str) -> String {
     let found = result.candidates.iter().find(|c| c.id == path);
-    let why: Vec<String> = found.map(|c| c.bought.iter().map(bought).collect()).unwrap_or_default();
+    let mut why: Vec<String> =
+        found.map(|c| c.bought.iter().map(bought).collect()).unwrap_or_default();
+    if found.is_some_and(|c| c.other_timing) {
+        why.push(
+            "its timing is not that of the straight path, and the timing is not free".to_owned(),
+        );
+    }
     format!(
         "{} has a lower objective but is not called the best: {}.",
         capital(&named(result, path)),

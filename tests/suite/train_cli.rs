@@ -248,7 +248,7 @@ fn json_is_for_machines() {
     let room = tempfile::tempdir().unwrap();
     let model = room.path().join("m.json");
     let run = train(&project(DEMONSTRATION), &model)
-        .args(["--json", "--method", "mi-nsgp", "--no-attraction"])
+        .args(["--json", "--method", "mi-nsgp", "--pull", "none"])
         .assert()
         .success();
     let shown: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
