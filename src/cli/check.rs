@@ -21,9 +21,9 @@ pub(super) struct Args {
     /// With --sensitivity: a finished run whose best path is assessed; without it, the straight path.
     #[arg(long, value_name = "RESULT", requires = "sensitivity")]
     pub result: Option<PathBuf>,
-    /// With --sensitivity: simulated people along each path.
+    /// With --sensitivity: repetitions along each path.
     #[arg(long, value_name = "N", default_value_t = 64, requires = "sensitivity", value_parser = clap::value_parser!(u16).range(2..=10_000))]
-    pub people: u16,
+    pub repetitions: u16,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -67,25 +67,10 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
 fn planner(path: &Path) -> Result<Explained, InputError> {
     let p = load_preset(&path.display().to_string())?;
     let o = &p.objective;
-    let weights = [
-        (o.expected_rula, "expected RULA"),
-        (o.expected_reba, "expected REBA"),
-        (o.cvar90_rula, "mean RULA of the worst tenth"),
-        (o.exposure_rula_5, "share of time at RULA 5 or more"),
-        (o.p_level_3, "share of people at RULA 5 or more for half a second"),
-        (o.effort, "joint speed (per rad/s)"),
-        (o.duration, "duration"),
-        (o.clearance, "missing clearance"),
-    ];
-    let sum: Vec<String> = weights
-        .iter()
-        .filter(|(w, _)| *w != 0.0)
-        .map(|(w, name)| format!("{w} x {name}"))
-        .collect();
     Ok(Explained::new(format!("a planner, `{}`", p.name))
-        .saying(format!("made small: {}", sum.join(" + ")))
+        .saying(format!("objective: {}", crate::words::verdict::objective(o)))
         .saying(format!(
-            "search: {} paths in {} generations, {} via-points each; every one meets {} to {} people",
+            "search: {} paths in {} generations, {} via-points each; each judged on {} to {} repetitions",
             p.population * p.generations,
             p.generations,
             p.vias,
@@ -94,7 +79,7 @@ fn planner(path: &Path) -> Result<Explained, InputError> {
         ))
         .saying(format!("baselines that search: {} generations each", p.baseline_generations))
         .saying(format!(
-            "of these {} are held against each other by {} fresh people, and {} are reported",
+            "the best {} are compared on {} fresh repetitions, and {} are reported",
             p.shortlist, p.rollouts_final, p.reported
         ))
         .saying(format!("time steps of a path: {}", p.steps)))

@@ -142,7 +142,7 @@ fn measured(
     }
     let progress = Progress::new();
     let told = |done, total| progress.tell("measuring", done, total);
-    cell_sensitivity(scenario, scenario.seed, usize::from(args.people), path.as_ref(), &told)
+    cell_sensitivity(scenario, scenario.seed, usize::from(args.repetitions), path.as_ref(), &told)
 }
 
 /// The best path of a run; none where that is the straight one.
@@ -175,10 +175,10 @@ fn best_path(
 
 fn print_sensitivity(s: &CellSensitivity) {
     say!(
-        "\nWhat to measure well: path `{}`, body {}, the same {} people each time",
+        "\nWhat to measure well: path `{}`, body {}, the same {} repetitions each time",
         s.path,
         s.body,
-        s.people
+        s.repetitions
     );
     say!(
         "  as the scenario says: RULA {:.2}, time at 3+ {}",

@@ -105,7 +105,11 @@ fn rollouts(path: &Path) -> Result<Explained, InputError> {
     people.dedup();
     let last = table.column("time_s")?.into_iter().fold(0.0, f64::max);
     Ok(Explained::new("sampled postures along a path, as `plan --rollouts` writes them")
-        .saying(format!("{} people, {} rows, up to {last:.2} s", people.len(), table.rows.len()))
+        .saying(format!(
+            "{} repetitions, {} rows, up to {last:.2} s",
+            people.len(),
+            table.rows.len()
+        ))
         .saying(format!("{} joints", table.columns.len() - 2)))
 }
 

@@ -193,7 +193,7 @@ fn in_words(difference: Option<&RunDifference>) -> (String, String) {
     let Some(d) = difference else { return ("–".to_owned(), String::new()) };
     let clear = if d.clear { "" } else { " (not clear)" };
     let how = match &d.unpaired_because {
-        None => format!("paired, {} people", d.people[0]),
+        None => format!("paired, {} repetitions", d.repetitions[0]),
         Some(why) => format!("unpaired: {why}"),
     };
     (format!("{:+.2}, {:+.2} to {:+.2}{clear}", d.mean, d.low95, d.high95), how)

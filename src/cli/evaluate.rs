@@ -75,12 +75,12 @@ pub(super) struct Args {
     /// Number of inducing centres; by default the number that held-out blocks ask for.
     #[arg(long, value_name = "M")]
     inducing: Option<usize>,
-    /// How people who walk are pulled towards their own postures: by the hand's travel (per-metre, the
+    /// How repetitions are pulled towards their own postures: by the hand's travel (per-metre, the
     /// default with --body), by time (per-second, the default with --chain and --independent), or not
     /// at all (none). Joint errors are shown for all three.
     #[arg(long, value_parser = parse_pull, value_name = "RULE")]
     pull: Option<PullRule>,
-    /// Draw people as published: a fresh joint velocity at each sample, not calibrated.
+    /// Draw repetitions as published: a fresh joint velocity at each sample, not calibrated.
     #[arg(long)]
     independent: bool,
     /// Rows per second of files without `time_s`; by default found from q and qdot.

@@ -52,7 +52,7 @@ pub(super) struct Args {
     /// Also fill in worksheets of single frames, as HTML and CSV: times in s, or `worst`.
     #[arg(long, value_name = "TIME_S,..|worst", requires = "output")]
     pub sheet: Option<String>,
-    /// Compare two files of rollouts of the same people.
+    /// Compare two files of the same repetitions.
     #[arg(long)]
     pub paired: bool,
     /// Print summary.json instead of the tables.

@@ -241,7 +241,7 @@ pub(super) fn paired(a: &Path, b: &Path, args: &Args) -> Result<Outcome, Failure
     }
     if first.motion.tracks.len() != second.motion.tracks.len() {
         return Err(InputError::new(b, "holds another number of rollouts than the first file")
-            .remedy("both must be of the same people: of one `ergopath plan --rollouts`")
+            .remedy("both must hold the same repetitions: of one `ergopath plan --rollouts`")
             .into());
     }
     let mut rows: Vec<(Side, [PairedDifference; 2])> = Vec::new();

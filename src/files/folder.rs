@@ -116,7 +116,6 @@ impl FolderOutput {
         }
         let found = look(&self.target, name).map_err(|e| self.io(&e))?;
         let hash = match found {
-            Found::Nothing => return Ok(()),
             Found::Other(at) if new.is_some() => {
                 let what = at.strip_prefix(&self.target).unwrap_or(&at).display();
                 let message = format!(
@@ -125,7 +124,7 @@ impl FolderOutput {
                 return Err(self.error(message).remedy(ELSEWHERE));
             }
             // Whatever it is, it is not what ergopath wrote: it stays.
-            Found::Other(_) => return Ok(()),
+            Found::Nothing | Found::Other(_) => return Ok(()),
             Found::File(hash) => hash,
         };
         if is_input(&self.target.join(name)) {

@@ -1,4 +1,4 @@
-//! What an error of the tape measure would change: the same people along the same path in a cell that is
+//! What an error of the tape measure would change: the same repetitions along the same path in a cell that is
 //! a little different from the scenario.
 //!
 //! The path is carried along with what is moved: with the start or the goal its ends move and everything
@@ -26,7 +26,7 @@ const ANGLE_DEG: f64 = 5.0;
 const SHARE: f64 = 0.1;
 /// Steps of the straight path where no run gives one.
 const STEPS: usize = 100;
-/// Block of people: others than those that chose and reported a path.
+/// Block of repetitions: others than those that chose and reported a path.
 const BLOCK: u32 = 3;
 
 /// What each measured quantity of a cell is worth.
@@ -35,7 +35,7 @@ pub struct CellSensitivity {
     /// Body for which the path scores worst.
     pub body: String,
     /// People along each path.
-    pub people: usize,
+    pub repetitions: usize,
     /// Name of the path that is assessed.
     pub path: String,
     /// With everything as the scenario says.
@@ -72,9 +72,9 @@ pub struct Outcome {
     pub expected_rula: f64,
     /// Share of time at RULA 5 or more.
     pub exposure_rula_5: f64,
-    /// Share of people whose hand cannot follow.
+    /// Share of repetitions whose hand cannot follow.
     pub reach_exceeded: f64,
-    /// The path minus the straight one, the same people; none where the path is the straight one.
+    /// The path minus the straight one, the same repetitions; none where the path is the straight one.
     pub against_straight: Option<PairedDifference>,
 }
 
@@ -114,7 +114,7 @@ struct Asked {
 pub fn cell_sensitivity(
     scenario: &Scenario,
     seed: u64,
-    people: usize,
+    repetitions: usize,
     path: Option<&FixedPath>,
     told: &dyn Fn(usize, usize) -> bool,
 ) -> Result<CellSensitivity, InputError> {
@@ -124,7 +124,7 @@ pub fn cell_sensitivity(
     let paths = (path.unwrap_or(&straight), path.is_some().then_some(&straight));
     let run = |(cell, moved): &Change, body: usize| {
         let slower = cell.duration_s / scenario.duration_s;
-        outcome(cell, (seed, people, body), paths, (slower, moved.as_ref()))
+        outcome(cell, (seed, repetitions, body), paths, (slower, moved.as_ref()))
     };
     let unchanged: Change = (scenario.clone(), Box::new(|p, _| *p));
     let mut worst: Option<(usize, Outcome)> = None;
@@ -164,7 +164,7 @@ pub fn cell_sensitivity(
     quantities.sort_by(|a, b| b.rula_change.abs().total_cmp(&a.rula_change.abs()));
     Ok(CellSensitivity {
         body: scenario.worker.bodies[body].name.clone(),
-        people,
+        repetitions,
         path: name.to_owned(),
         nominal,
         quantities,
@@ -179,7 +179,7 @@ type Moved<'a> = &'a dyn Fn(&Pose, f64) -> Pose;
 
 fn outcome(
     cell: &Scenario,
-    (seed, people, body): (u64, usize, usize),
+    (seed, repetitions, body): (u64, usize, usize),
     (path, straight): Paths,
     (slower, moved): (f64, Moved),
 ) -> Result<Outcome, InputError> {
@@ -188,7 +188,7 @@ fn outcome(
     let nominal = cell.nominal();
     let walk = |path: &TimedPath| {
         let path = carried(path, slower, moved);
-        Figures::of(&all[body].walk(&path, &nominal, (seed, BLOCK), 0..people), &lens)
+        Figures::of(&all[body].walk(&path, &nominal, (seed, BLOCK), 0..repetitions), &lens)
     };
     let own = walk(path);
     let against =

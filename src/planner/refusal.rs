@@ -231,7 +231,7 @@ impl RefusedGroup {
                 }
             }
         }
-        groups.sort_by(|a, b| b.count.cmp(&a.count));
+        groups.sort_by_key(|g| std::cmp::Reverse(g.count));
         groups
     }
 }

@@ -1,6 +1,6 @@
 //! The file of a posture model: JSON with a schema, checked when read. Owner of `models/posture`.
 
-use super::attraction::Pull;
+use super::attraction::{Attraction, Pull};
 use super::model::PostureModel;
 use super::noise::Clock;
 use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
@@ -123,7 +123,7 @@ fn check(model: &PostureModel) -> Result<(), String> {
     if !is_sound {
         return Err("noise times must be positive and its shares sum to 1".to_owned());
     }
-    match (model.law.attraction.as_ref().map(|a| a.pull()), noise.clock) {
+    match (model.law.attraction.as_ref().map(Attraction::pull), noise.clock) {
         (Some(Pull::Metre { length_m }), Clock::Hand { .. }) if length_m > 0.0 => {}
         (Some(Pull::Second { rate_per_s }), Clock::Seconds { .. }) if rate_per_s > 0.0 => {}
         (None, _) => {}

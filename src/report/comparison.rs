@@ -1,7 +1,7 @@
 //! Several finished runs side by side: what is compared, and which intervals may be drawn.
 //!
 //! Rollout r of two runs is the same person where seed, posture model and body are the same and the same
-//! program drew it: then the difference of two runs is paired over people. Otherwise the interval is that
+//! program drew it: then the difference of two runs is paired over repetitions. Otherwise the interval is that
 //! of two groups, and the reason stands beside it.
 
 use super::ReportError;
@@ -45,7 +45,7 @@ pub struct ComparedPath {
     pub role: Role,
     /// Its name.
     pub id: String,
-    /// Share of time at RULA 5 or more: mean over people, 5th and 95th percentile.
+    /// Share of time at RULA 5 or more: mean over repetitions, 5th and 95th percentile.
     pub exposure_rula_5: [f64; 3],
     /// Shares of time at each RULA score or above, index the score.
     pub rula_at_least: Vec<f64>,
@@ -61,7 +61,7 @@ pub struct ComparedPath {
     pub expected_reba: f64,
     /// Share of repetitions in which the hand cannot follow.
     pub reach_exceeded: f64,
-    /// Best minus this path, over the same people; none for the best.
+    /// Best minus this path, over the same repetitions; none for the best.
     pub best_minus_this: Option<PairedDifference>,
 }
 
@@ -79,7 +79,7 @@ pub struct RunDifference {
     /// Whether the interval leaves 0 out.
     pub clear: bool,
     /// People of this and of the other run that were compared.
-    pub people: [usize; 2],
+    pub repetitions: [usize; 2],
     /// None if rollout r is the same person in both; else why it is not.
     pub unpaired_because: Option<String>,
 }
@@ -288,9 +288,9 @@ fn difference(
     let theirs = best(other)?;
     let worst = || super::view::worst_body(theirs);
     let other_body = theirs.bodies.iter().find(|b| b.body == own.body).or_else(worst)?;
-    let because = not_the_same_people((result, &own.body), (other, &other_body.body));
+    let because = not_the_same_repetitions((result, &own.body), (other, &other_body.body));
     let (a, b) = (&own.rula().by_rollout, &other_body.rula().by_rollout);
-    let (mean, low95, high95, clear, people) = if because.is_none() {
+    let (mean, low95, high95, clear, repetitions) = if because.is_none() {
         let d = paired_difference(a, b);
         (d.mean, d.low95, d.high95, d.clear, [d.n, d.n])
     } else {
@@ -303,13 +303,13 @@ fn difference(
         low95,
         high95,
         clear,
-        people,
+        repetitions,
         unpaired_because: because,
     })
 }
 
 /// Why rollout r of one run is not the person of rollout r of the other; none if it is.
-fn not_the_same_people(
+fn not_the_same_repetitions(
     (a, body_a): (&RunResult, &str),
     (b, body_b): (&RunResult, &str),
 ) -> Option<String> {

@@ -91,8 +91,8 @@ fn runs(comparison: &Comparison, rows: &[&ComparedRun]) -> Markup {
     html! {
         p.note {
             "Sorted by expected RULA of the body size that scores worst. 90 % band: nine of ten repetitions lie within. "
-            "95 % interval: where the true mean difference lies. Paired: the same simulated people walked both paths; \
-             unpaired: two groups of people, which gives a wider interval."
+            "95 % interval: where the true mean difference lies. Paired: the same repetitions were simulated on both paths; \
+             unpaired: two sets of repetitions, which give a wider interval."
         }
         p.note {
             "Bars, RULA action levels from left to right: "
@@ -136,7 +136,7 @@ fn against_words(difference: Option<&RunDifference>) -> Markup {
         span.small { (change(d.low95)) " to " (change(d.high95)) }
         span.small {
             @match &d.unpaired_because {
-                None => { "paired, " (d.people[0]) " people" }
+                None => { "paired, " (d.repetitions[0]) " repetitions" }
                 Some(why) => { "unpaired: " (why) }
             }
         }

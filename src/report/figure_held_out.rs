@@ -1,5 +1,5 @@
 //! `held_out.png` of a training: recorded joint angles of a held-out movement in the bands of people
-//! who walk along its hand path.
+//! who follow its hand path.
 
 use super::ReportError;
 use super::figure_weights::Learned;
@@ -44,9 +44,9 @@ pub fn held_out_figure(
         sheet.text(&title, (LEFT, 36.0), Type::bold(TITLE), Anchor::Left)?;
         let keys = [
             Key::Line(RECORDED, "recorded".to_owned()),
-            Key::Line(MEDIAN, "median of the walks".to_owned()),
-            Key::Field(tint(BLUE, BANDS[1]), "50 % band of the walks".to_owned()),
-            Key::Field(tint(BLUE, BANDS[0]), "90 % band of the walks".to_owned()),
+            Key::Line(MEDIAN, "median of the repetitions".to_owned()),
+            Key::Field(tint(BLUE, BANDS[1]), "50 % band of the repetitions".to_owned()),
+            Key::Field(tint(BLUE, BANDS[0]), "90 % band of the repetitions".to_owned()),
         ];
         legend(sheet, (LEFT, 84.0), SIZE.0 - 2.0 * LEFT, &keys)?;
         for (i, joint) in curves.moving_most(SHOWN).into_iter().enumerate() {
@@ -128,8 +128,8 @@ fn note(curves: &HeldOutCurves, recording: &str, whose: &Learned) -> String {
     format!(
         "{recording}, {from:.2} to {to:.2} s: the longest uninterrupted piece of the first part held out \
          for judging {}. The law here was learned without that part ({}, {pull} the pull towards the \
-         person's own postures). {} people drawn from it walk along the recorded hand path, all from the \
-         recorded posture at the start. Shown are the joints with the largest recorded range, each on a \
+         person's own postures). {} repetitions drawn from it follow the recorded hand path, all \
+         from the recorded posture at the start. Shown are the joints with the largest recorded range, each on a \
          scale of its own, with the share of the times after the start at which the 90 % band holds the \
          recorded angle; 90 % would be right on average.",
         whose.words(),

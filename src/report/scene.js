@@ -328,7 +328,9 @@
 
   // ---- words and controls ---------------------------------------------------------------------
 
-  const fixed = (v) => (Number.isFinite(v) ? v.toFixed(2) : "unknown");
+  // Half a hundredth goes to the even digit, as in every other text of ergopath.
+  const fixed = (v) =>
+    Number.isFinite(v) ? ((v * 8) % 4 === 1 ? v - 1e-9 : v).toFixed(2) : "unknown";
   function readout() {
     const { motion, people } = show;
     const k = Math.round(moment());

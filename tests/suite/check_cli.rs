@@ -25,7 +25,7 @@ fn every_file_of_a_run_and_every_shipped_file_is_explained() {
         ("paths/1.csv", "a path of the TCP"),
         ("paths/1.joint_trajectory.yaml", "those of the preset `panda`"),
         ("paths/1.joint_trajectory.json", "those of the preset `panda`"),
-        ("rollouts/1.csv", "6 people"),
+        ("rollouts/1.csv", "6 repetitions"),
     ];
     for (file, words) in kinds {
         check(&out.join(file))
@@ -36,7 +36,7 @@ fn every_file_of_a_run_and_every_shipped_file_is_explained() {
     check(&room.path().join("operator.json")).success().stdout(contains("a posture model"));
     check(&room.path().join("tiny.toml"))
         .success()
-        .stdout(contains("made small: 1 x expected RULA"));
+        .stdout(contains("objective: 1 x expected RULA"));
     let demonstration = repository("scenarios/demonstrations/simulated_operator.csv");
     check(&demonstration).success().stdout(contains("simulated operator").and(contains("trials")));
     for (folder, ending) in
@@ -106,7 +106,7 @@ fn what_to_measure_well_is_told_for_the_same_people() {
     plan(&room, &scenario, "out").assert().success();
     let json = |extra: &[&str]| -> Value {
         let mut command = ergopath();
-        command.arg("check").arg(&scenario).args(["--sensitivity", "--people", "6", "--json"]);
+        command.arg("check").arg(&scenario).args(["--sensitivity", "--repetitions", "6", "--json"]);
         let output = command.args(extra).assert().success().get_output().stdout.clone();
         serde_json::from_slice(&output).unwrap()
     };

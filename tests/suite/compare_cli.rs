@@ -67,7 +67,7 @@ fn a_folder_of_runs_stands_for_its_runs_and_wrong_calls_are_refused() {
         command.current_dir(room.path()).arg("compare").args(arguments).arg("-o").arg(&both);
         command.assert()
     };
-    compare(&["runs"]).success().stdout(contains("paired, 6 people").and(contains("two")));
+    compare(&["runs"]).success().stdout(contains("paired, 6 repetitions").and(contains("two")));
     assert!(both.join("comparison.html").is_file() && both.join("comparison.csv").is_file());
     compare(&["runs", "--quiet"]).success().stdout("");
     let refused = |arguments: &[&str], words: &str| {

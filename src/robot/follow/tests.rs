@@ -180,7 +180,8 @@ fn the_global_choice_succeeds_where_tracking_from_every_start_fails() {
     let accelerates = |why: &NoMotion| matches!(why, NoMotion::OverLimit { violation, .. } if violation.kind == LimitKind::Acceleration);
     let touches = |why: &NoMotion| matches!(why, NoMotion::TouchesItself { .. });
     let jumps = |why: &NoMotion| matches!(why, NoMotion::Jump { .. });
-    let cases: [(&str, u32, &dyn Fn(&NoMotion) -> bool); 3] =
+    type Is<'a> = &'a dyn Fn(&NoMotion) -> bool;
+    let cases: [(&str, u32, Is); 3] =
         [("panda", 1, &accelerates), ("panda", 22, &touches), ("fr3", 3, &jumps)];
     for (name, number, is_so) in cases {
         let robot = Robot::preset(name).unwrap();

@@ -1,5 +1,7 @@
 //! Which values are doubted, and which are not.
 
+#![expect(clippy::approx_constant, reason = "as people type them")]
+
 use super::*;
 use crate::math::Vec3;
 
@@ -10,7 +12,7 @@ fn angles_that_are_round_in_radians_are_doubted_and_small_degrees_are_not() {
         &[0.0, 0.0, 3.14],
         &[-1.57, 0.0, 0.3],
         &[0.785],
-        &[3.141592653589793],
+        &[PI],
         &[6.2832],
         &[3.1415, 0.0, 0.0],
     ] {
