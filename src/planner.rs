@@ -3,13 +3,15 @@
 //! ```text
 //! space      white numbers              ─► via-points, and start, goal, base ... where they are free
 //! prepare    QP, robot, obstacles       ─► feasible path | why not, and what would help (causes)
-//! near       robot against people       ─► share of repetitions nearer than the margin
-//! search     CMA-ES, a generation judged together by the same people (searches: ours, baselines)
-//! finalists  the best on fresh people by successive halving, every baseline, the user's own
-//! pipeline   one more block of people   ─► the figures that are reported
-//! filming    some of their walks        ─► scene, what a viewer plays
+//! person     a body and its behaviour   ─► repetitions, scored (scored) for ranking and report alike
+//! near       robot against the worker   ─► share of repetitions nearer than the margin
+//! guard      against the straight path  ─► what a lower mean was bought with: peak, score per metre
+//! search     CMA-ES, a generation judged on the same repetitions (searches: ours, baselines)
+//! finalists  the best on fresh repetitions by successive halving, every baseline, the user's own
+//! reporting  one more block             ─► the figures that are reported, and their scene (filming)
+//! pipeline   the stages in order, and the verdict: findings as facts
 //! ```
-//! All paths meet the same people: the randomness of a rollout depends on (seed, block, rollout),
+//! All paths get the same repetitions: the randomness of a rollout depends on (seed, block, rollout),
 //! never on the path. Blocks are not shared between choosing and reporting, so the winner's figures
 //! are not flattered by having been chosen.
 
@@ -19,7 +21,7 @@ mod causes;
 mod cell_findings;
 mod cell_look;
 mod cell_sensitivity;
-mod evaluate;
+mod environment;
 mod explain;
 mod filming;
 mod finalists;
@@ -29,33 +31,41 @@ mod lens;
 mod moments;
 mod near;
 mod objective;
+mod person;
 mod pipeline;
 mod prepare;
 mod preset;
 mod recommend;
 mod refusal;
+mod repetitions;
+mod reporting;
+mod request;
 mod result;
-mod resume;
 mod scene;
 mod scored;
 mod search;
 mod searches;
 mod space;
 mod stored;
+mod summary;
 mod timing;
+mod tried;
 mod verdict;
 
-pub use cell_findings::{CellFinding, HangingFeet, Intrusion, OutsideBox};
-pub use cell_look::{CellLook, HandAlong, HandReach, RobotAlong, RobotReach, look_at_cell};
+pub use cell_findings::CellFinding;
+pub use cell_look::{
+    CellLook, HandAlong, HandReach, HangingFeet, Intrusion, OutsideBox, RobotAlong, RobotReach,
+    look_at_cell,
+};
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use findings::{Figure, Finding, Severity, Subject, Why};
 pub use objective::Figures;
-pub use pipeline::{PlanError, Request, Stage, Step, assess, judge_truly, plan, plan_knowing};
+pub use pipeline::{assess, judge_truly, plan, plan_knowing};
 pub use preset::{MethodWeights, Objective, Preset, load_preset, planner_schema, preset_names};
-pub use refusal::{Hint, Refusal, RefusalKind, RefusedBy, RefusedGroup};
+pub use refusal::{Hint, Refusal, RefusalKind, RefusedBy, RefusedGroup, Status};
+pub use request::{Checkpoint, PlanError, Request, Stage, Step};
 pub use result::*;
-pub use resume::Checkpoint;
 pub use scene::*;
 pub use scored::MethodFigures;
-pub use search::{SearchState, Tried};
 pub use stored::{Freshness, freshness, parse_result, read_result, result_file};
+pub use tried::{SearchState, Tried};

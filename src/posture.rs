@@ -34,13 +34,13 @@ mod start;
 mod step;
 
 pub use attraction::{Attraction, HandFeatures, Pull, UsualPosture};
-pub use behaviour::Behaviour;
+pub use behaviour::{Behaviour, Certain, Modelled, Repeated};
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, model_text, save_model};
 pub use hand_path::HandPath;
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
-pub use law::{Floors, Person, PostureLaw, Prediction, Query, Sampler, Sampling};
+pub use law::{Draw, Floors, PostureLaw, Prediction, Query, Sampler, Sampling};
 pub use model::{
     Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
 };

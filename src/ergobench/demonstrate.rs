@@ -108,9 +108,10 @@ impl<'a> Demonstrator<'a> {
             return None;
         }
         // The repetition's number decides between habits.
-        let rollouts =
-            self.person.walk(&self.coupling, (&times, &hands), &starts, block, number as usize);
-        let rollout = rollouts.into_iter().next().filter(|r| r.reach_exceeded_at.is_none())?;
+        let way = (&times[..], &hands[..]);
+        let repeated = self.person.repeat(&self.coupling, way, &starts, block, number as usize);
+        let rollout =
+            repeated.rollouts.into_iter().next().filter(|r| r.reach_exceeded_at.is_none())?;
         let n = self.coupling.dof();
         let angles: Vec<Vec<f64>> =
             (0..n).map(|c| rollout.q.iter().map(|q| q[c]).collect()).collect();

@@ -25,8 +25,8 @@ use crate::math::pose::rotation_from_axes;
 use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Behaviour, Coupling, HandPath, Hold, PostureDistribution, PostureModel, Rollout, Sampler,
-    Sampling, Start, roll_out, simulated_person,
+    Behaviour, Coupling, HandPath, Hold, PostureDistribution, PostureModel, Repeated, Rollout,
+    Sampler, Sampling, Start, roll_out, simulated_person,
 };
 use effort::Effort;
 use follow::follow;
@@ -170,21 +170,21 @@ impl Behaviour for TruePerson {
         &self.usual
     }
 
-    fn walk(
+    fn repeat(
         &self,
         coupling: &Coupling,
         path: (&[f64], &[Pose]),
         starts: &[Start],
         (seed, block): (u64, u32),
         first: usize,
-    ) -> Vec<Rollout> {
+    ) -> Repeated {
         let own = |i: usize| {
             stream(seed, Purpose::Posture, CHANCE.wrapping_add(block), (first + i) as u32)
         };
         let each = |walk: &(dyn Fn(usize, &Start) -> Rollout + Sync)| {
             starts.par_iter().enumerate().map(|(i, s)| walk(i, s)).collect()
         };
-        match &self.nature {
+        let rollouts = match &self.nature {
             Nature::Model(model) => {
                 let law = &model.law;
                 let hand = HandPath::new(coupling, law, path.0.to_vec(), path.1.to_vec());
@@ -209,7 +209,8 @@ impl Behaviour for TruePerson {
             Nature::Relaxer(p) => {
                 each(&|i, start| follow(coupling, path, start, &mut p.repetition(own(i))))
             }
-        }
+        };
+        Repeated { rollouts, extrapolation_share: 0.0 }
     }
 }
 
@@ -285,7 +286,7 @@ mod tests {
             (1, 1),
             0..COUNT,
         );
-        let rollouts = person.walk(&coupling, (&times, &hands), &starts, (1, 1), 0);
+        let rollouts = person.repeat(&coupling, (&times, &hands), &starts, (1, 1), 0).rollouts;
         Met { coupling, person, rollouts, starts, path: (times, hands) }
     }
 
@@ -339,7 +340,8 @@ mod tests {
         for kind in Kind::ALL {
             let met = met(kind, up_and_down);
             let path = (&met.path.0[..], &met.path.1[..]);
-            let again = met.person.walk(&met.coupling, path, &met.starts[5..7], (1, 1), 5);
+            let again =
+                met.person.repeat(&met.coupling, path, &met.starts[5..7], (1, 1), 5).rollouts;
             assert_eq!(again, met.rollouts[5..7], "{}", kind.name());
         }
     }

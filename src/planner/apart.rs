@@ -1,43 +1,25 @@
-//! What follows when the robot comes too near to people: less value in the search, refusal in the
+//! What follows when the robot comes too near to the worker: less value in the search, refusal in the
 //! selection and by the report, and how much farther apart robot and person would have to be.
 
+use super::environment::{Environment, SELECTION_BLOCK};
 use super::near::Care;
 use super::objective::Figures;
-use super::pipeline::{Environment, SELECTION_BLOCK};
 use super::prepare::Prepared;
-use super::refusal::{Hint, Refusal, RefusedBy};
-use super::result::{BodyScores, CandidateResult, Status, Verdict};
+use super::refusal::{Hint, Refusal, RefusedBy, Status};
+use super::result::{BodyScores, CandidateResult, Verdict};
 use super::space::Space;
 use crate::math::Vec3;
-use crate::math::stats::{mean, normal_quantile, quantile, std_dev};
+use crate::math::stats::quantile;
 use crate::path::{Change, Mover};
 use crate::scenario::{PersonMargin, Variant};
 
-/// Standard deviations by which few people must exceed the share before a path is refused early.
+/// Standard deviations by which few repetitions must exceed the share before a path is refused early.
 const SURELY: f64 = 2.33;
-/// Least margin by which a shortfall is measured, m.
-const LEAST_MARGIN_M: f64 = 0.01;
-/// Weight of a whole missing margin, in units of the objective; about what paths differ by.
-const CROWDED: f64 = 0.5;
 /// Distances by which base and worker are tried farther apart, m.
 const TRIED_M: [f64; 5] = [0.05, 0.1, 0.15, 0.2, 0.3];
 
-/// What too little distance adds to the objective in the search: for a body, its figures. The few
-/// people there are too few to count those below the margin, so that the distance which the allowed
-/// share undercuts is estimated as that of a normal distribution.
-pub(super) fn crowding(figures: &Figures, margin: &PersonMargin) -> f64 {
-    let d = &figures.near_m;
-    if d.is_empty() || margin.share >= 1.0 {
-        return 0.0;
-    }
-    let spread = if d.len() > 1 { std_dev(d) } else { 0.0 };
-    let undercut = mean(d) + normal_quantile(margin.share) * spread;
-    let missing = (margin.margin_m - undercut) / margin.margin_m.max(LEAST_MARGIN_M);
-    CROWDED * missing.max(0.0)
-}
-
 impl Prepared {
-    /// Refuses a path on which too many of the selection's people come too near. `is_all`: these are
+    /// Refuses a path on which too many of the selection's repetitions come too near. `is_all`: these are
     /// all of them; before that only a clear excess counts.
     pub(super) fn refuse_if_too_near(
         &mut self,
@@ -63,7 +45,7 @@ impl Prepared {
 }
 
 impl CandidateResult {
-    /// Refuses (or marks, if it is the user's own) a path by the reported people.
+    /// Refuses (or marks, if it is the user's own) a path by the reported repetitions.
     pub(super) fn mark_if_too_near(&mut self, is_users: bool, margin: &PersonMargin) {
         let broken = |b: &&BodyScores| b.person_clearance.as_ref().is_some_and(|c| !c.is_kept());
         let Some(body) = self.bodies.iter().find(broken) else { return };
@@ -72,70 +54,68 @@ impl CandidateResult {
         let refusal = too_near(&body.body, nearest, (c.share_below, c.p05_m), margin);
         let is_person = |v: &Refusal| v.by() == RefusedBy::Person;
         match &self.status {
-            // Said already, from the people of the selection.
+            // Said already, from the repetitions of the selection.
             Status::Marked { violations } if violations.iter().any(is_person) => {}
             _ => self.status.refuse(is_users, refusal),
         }
     }
 }
 
-impl Environment<'_> {
-    /// Puts into the verdict of a run in which all that people could walk came too near: where the
-    /// nearest to feasible is too near, and how much farther apart robot and person would have to be.
-    pub(super) fn explain_nearness(
-        &self,
-        refused: &[&Prepared],
-        space: &Space,
-        verdict: &mut Verdict,
-    ) {
-        let is_person = |p: &Prepared| p.status.refused_by() == Some(RefusedBy::Person);
-        let near = refused.iter().filter(|p| is_person(p));
-        let Some(closest) = near.min_by(|a, b| a.severity.total_cmp(&b.severity)) else { return };
-        let changes = self.farther_apart(space);
-        verdict
-            .hints
-            .push(Hint::NearestToFeasible { id: closest.id.clone(), missing_m: closest.severity });
-        let tried_m = TRIED_M[TRIED_M.len() - 1];
-        verdict.hints.push(Hint::Apart { changes: changes.clone(), tried_m });
-        verdict.changes.extend(changes);
-    }
+/// Puts into the verdict of a run in which all that could be simulated came too near: where the
+/// nearest to feasible is too near, and how much farther apart robot and person would have to be.
+pub(super) fn explain_nearness(
+    environment: &Environment,
+    refused: &[&Prepared],
+    space: &Space,
+    verdict: &mut Verdict,
+) {
+    let is_person = |p: &Prepared| p.status.refused_by() == Some(RefusedBy::Person);
+    let near = refused.iter().filter(|p| is_person(p));
+    let Some(closest) = near.min_by(|a, b| a.severity.total_cmp(&b.severity)) else { return };
+    let changes = farther_apart(environment, space);
+    verdict
+        .hints
+        .push(Hint::NearestToFeasible { id: closest.id.clone(), missing_m: closest.severity });
+    let tried_m = TRIED_M[TRIED_M.len() - 1];
+    verdict.hints.push(Hint::Apart { changes: changes.clone(), tried_m });
+    verdict.changes.extend(changes);
+}
 
-    /// The smallest of a few distances by which base or worker would have to move away.
-    fn farther_apart(&self, space: &Space) -> Vec<Change> {
-        let Some(straight) = space.named().into_iter().next() else { return Vec::new() };
-        let nominal = &straight.variant;
-        let [x, y] = nominal.at_m;
-        let base = nominal.base.translation.vector;
-        let apart = Vec3::new(base.x - x, base.y - y, 0.0);
-        let Some(away) = apart.try_normalize(1e-6) else { return Vec::new() };
-        let people = self.preset.rollouts_final.min(64);
-        let is_enough = |variant: &Variant| {
-            let prepared = self.workshop.candidate(&straight.candidate, variant);
-            if !prepared.is_walkable() {
-                return false;
-            }
-            let block = (self.seed, SELECTION_BLOCK);
-            let figures = self.figures(&prepared, block, 0..people, Care::Selection);
-            let margin = &self.scenario.person_margin;
-            figures.iter().all(|f| {
-                let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64;
-                let lost = f.lost.iter().sum::<f64>();
-                below <= margin.share * f.near_m.len() as f64 && 2.0 * lost < f.lost.len() as f64
-            })
-        };
-        let robot = TRIED_M.into_iter().find(|by| {
-            let mut moved = nominal.clone();
-            moved.base.translation.vector += away * *by;
-            is_enough(&moved)
-        });
-        let worker = TRIED_M.into_iter().find(|by| {
-            let at_m = [x - away.x * by, y - away.y * by];
-            is_enough(&Variant { at_m, ..nominal.clone() })
-        });
-        let change = |what, by: Option<f64>| by.map(|by_m| Change::MoveApart { what, by_m });
-        let robot = change(Mover::Robot, robot);
-        robot.into_iter().chain(change(Mover::Worker, worker)).collect()
-    }
+/// The smallest of a few distances by which base or worker would have to move away.
+fn farther_apart(environment: &Environment, space: &Space) -> Vec<Change> {
+    let Some(straight) = space.named().into_iter().next() else { return Vec::new() };
+    let nominal = &straight.variant;
+    let [x, y] = nominal.at_m;
+    let base = nominal.base.translation.vector;
+    let apart = Vec3::new(base.x - x, base.y - y, 0.0);
+    let Some(away) = apart.try_normalize(1e-6) else { return Vec::new() };
+    let repetitions = environment.preset.rollouts_final.min(64);
+    let is_enough = |variant: &Variant| {
+        let prepared = environment.workshop.candidate(&straight.candidate, variant);
+        if !prepared.is_feasible() {
+            return false;
+        }
+        let block = (environment.seed, SELECTION_BLOCK);
+        let figures = environment.figures(&prepared, block, 0..repetitions, Care::Selection);
+        let margin = &environment.scenario.person_margin;
+        figures.iter().all(|f| {
+            let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64;
+            let lost = f.lost.iter().sum::<f64>();
+            below <= margin.share * f.near_m.len() as f64 && 2.0 * lost < f.lost.len() as f64
+        })
+    };
+    let robot = TRIED_M.into_iter().find(|by| {
+        let mut moved = nominal.clone();
+        moved.base.translation.vector += away * *by;
+        is_enough(&moved)
+    });
+    let worker = TRIED_M.into_iter().find(|by| {
+        let at_m = [x - away.x * by, y - away.y * by];
+        is_enough(&Variant { at_m, ..nominal.clone() })
+    });
+    let change = |what, by: Option<f64>| by.map(|by_m| Change::MoveApart { what, by_m });
+    let robot = change(Mover::Robot, robot);
+    robot.into_iter().chain(change(Mover::Worker, worker)).collect()
 }
 
 /// The refusal: link and body part that are nearest, share of repetitions below the margin and 5th
@@ -149,22 +129,4 @@ fn too_near(
     let (share_allowed, margin_m) = (margin.share, margin.margin_m);
     let body = body.to_owned();
     Refusal::Person { body, link, body_part, share_below, share_allowed, margin_m, p05_m }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn too_many_near_repetitions_refuse_a_path() {
-        let margin = PersonMargin { margin_m: 0.05, share: 0.05 };
-        let of = |near_m: Vec<f64>| Figures { near_m, ..Figures::default() };
-        assert_eq!(crowding(&of(vec![0.2, 0.21, 0.22, 0.23]), &margin), 0.0);
-        // Mean 0.06, standard deviation 0.01: one in twenty is below 0.0436, 13 % of the margin short.
-        let near = vec![0.05, 0.06, 0.07];
-        assert!((crowding(&of(near.clone()), &margin) - 0.5 * 0.1290).abs() < 1e-4);
-        assert_eq!(crowding(&of(vec![0.06]), &margin), 0.0);
-        assert_eq!(crowding(&of(Vec::new()), &margin), 0.0);
-        assert_eq!(crowding(&of(near), &PersonMargin { share: 1.0, ..margin }), 0.0);
-    }
 }

@@ -1,35 +1,19 @@
 //! When every path is refused: the cause once, and the smallest change of each kind that would help.
 
-use super::evaluate::Person;
+use super::person::Person;
 use super::prepare::{Prepared, Workshop};
-use super::refusal::{Hint, RefusedBy, RefusedGroup};
-use super::result::{CandidateResult, Caveat, Decision, Status, Verdict};
-use crate::human::{Stance, reach_ball, reach_gap};
-use crate::path::{Change, End, Family, Reach, smallest_changes};
+use super::refusal::{Hint, RefusedBy, RefusedGroup, Status};
+use super::result::{CandidateResult, Caveat, Decision, Verdict};
+use crate::human::{Stance, reach_gap};
+use crate::path::{Change, End, Family, smallest_changes};
 use crate::scenario::Scenario;
 
 /// Start postures by which an end of the movement is tried.
 const TRIES: usize = 8;
-/// Height of the hand below which people bend their legs, m.
+/// Height of the hand below which a worker bends their legs, m.
 const LOW_HAND_M: f64 = 0.55;
 /// Distance below which a place counts as reached, m.
 const REACHED_M: f64 = 1e-3;
-
-/// Where each body's hand can be led: a ball about the shoulder, widened by the offset between the
-/// grip and the TCP, which the hand's turn may put anywhere.
-pub(super) fn reaches(scenario: &Scenario) -> Vec<Reach> {
-    let w = &scenario.worker;
-    let of = |body: &crate::human::Body| {
-        let (center, radius) = reach_ball(body, w.side).ok()?;
-        let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
-        Some(Reach {
-            body: body.name.clone(),
-            center: (pelvis * nalgebra::Point3::from(center)).coords,
-            radius_m: radius + scenario.grip.translation.vector.norm(),
-        })
-    };
-    w.bodies.iter().filter_map(of).collect()
-}
 
 /// The verdict of a run without a feasible path: each kind of cause once, with its first case.
 pub(super) fn nothing_feasible(candidates: &[CandidateResult], caveat: Option<Caveat>) -> Verdict {

@@ -1,14 +1,15 @@
 //! Which facts of a cell's look are faults: what keeps the movement from being possible, and what a
 //! designer should look at before planning.
 
-use super::cell_look::{CellLook, HandAlong, HandReach, RobotReach};
-use super::evaluate::Person;
+use super::cell_look::{
+    CellLook, HandAlong, HandReach, HangingFeet, Intrusion, OutsideBox, RobotReach,
+};
+use super::person::Person;
 use crate::files::InputError;
 use crate::human::{Segment, Side, Skeleton, Stance};
-use crate::path::{Box3, Face};
+use crate::path::Box3;
 use crate::robot::NoMotion;
 use crate::scenario::Scenario;
-use serde::Serialize;
 
 /// Share of the start postures that has to get to an end, and of the repetitions that has to follow.
 const ENOUGH: f64 = 0.75;
@@ -21,39 +22,6 @@ const THROUGH_M: f64 = 0.10;
 /// Soles of a seated worker, and height of the feet that a raised heel explains, m.
 const SHOE_M: f64 = 0.03;
 const RAISED_HEEL_M: f64 = 0.03;
-
-/// An end of the movement outside the workspace.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OutsideBox {
-    /// "start" or "goal".
-    pub end: &'static str,
-    /// The face, such as `x <= 0.80 m`.
-    pub face: Face,
-    /// By how much, m.
-    pub by_m: f64,
-}
-
-/// An obstacle in the worker.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Intrusion {
-    /// Body.
-    pub body: String,
-    /// Part of the body.
-    pub part: String,
-    /// The obstacle.
-    pub obstacle: String,
-    /// How deep, m.
-    pub depth_m: f64,
-}
-
-/// A seated body whose feet do not get to the floor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HangingFeet {
-    /// Body.
-    pub body: String,
-    /// Height of the soles above the floor, m.
-    pub above_m: f64,
-}
 
 /// A fault of a cell.
 #[derive(Debug, Clone, Copy)]

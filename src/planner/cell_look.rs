@@ -3,12 +3,12 @@
 //!
 //! Facts only; [`CellLook::findings`] says which of them are faults. The words are the command's.
 
-use super::cell_findings::{HangingFeet, Intrusion, OutsideBox};
-use super::evaluate::Person;
 use super::explain::setting;
+use super::person::{Person, modelled};
 use super::result::{PosePicture, Setting};
 use crate::files::InputError;
 use crate::human::reach_gap;
+use crate::path::Face;
 use crate::path::{ProjectionSettings, shortest_duration_s};
 use crate::robot::{
     Follow, FollowSettings, NoMotion, Starts, follow_from, min_clearance, start_postures,
@@ -24,6 +24,39 @@ const STEPS: usize = 60;
 /// How much longer than the shortest possible the straight minimum-jerk movement has to take at least:
 /// its peaks of speed and acceleration are higher.
 const SLOWER: f64 = 2.0;
+
+/// An end of the movement outside the workspace.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutsideBox {
+    /// "start" or "goal".
+    pub end: &'static str,
+    /// The face, such as `x <= 0.80 m`.
+    pub face: Face,
+    /// By how much, m.
+    pub by_m: f64,
+}
+
+/// An obstacle in the worker.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Intrusion {
+    /// Body.
+    pub body: String,
+    /// Part of the body.
+    pub part: String,
+    /// The obstacle.
+    pub obstacle: String,
+    /// How deep, m.
+    pub depth_m: f64,
+}
+
+/// A seated body whose feet do not get to the floor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HangingFeet {
+    /// Body.
+    pub body: String,
+    /// Height of the soles above the floor, m.
+    pub above_m: f64,
+}
 
 /// The cell as it would be at start and goal, and on the straight way between them.
 #[derive(Debug, Clone, Serialize)]
@@ -128,7 +161,8 @@ pub struct RobotAlong {
 /// # Errors
 /// Where bodies and posture model do not fit together.
 pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
-    let people = Person::all(scenario, None)?;
+    let modelled = modelled(scenario)?;
+    let people = Person::all(scenario, &modelled)?;
     let nominal = scenario.nominal();
     let ends = [("start", &scenario.start), ("goal", &scenario.goal)];
     let mut hands = Vec::new();
@@ -210,16 +244,16 @@ fn straight_way(
     let path = minimum_jerk_line(&nominal.start, &nominal.goal, duration_s, STEPS);
     let Ok(path) = path else { return (Vec::new(), None) };
     let along = people.iter().map(|person| {
-        let walks = person.walk(&path, &nominal, (scenario.seed, 0), 0..TRIES);
+        let repetitions = person.repeat(&path, &nominal, (scenario.seed, 0), 0..TRIES);
         let lost: Vec<usize> =
-            walks.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
-        let unusual = walks.all.iter().filter(|w| w.start.is_unusual).count();
+            repetitions.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
+        let unusual = repetitions.all.iter().filter(|w| w.start.is_unusual).count();
         HandAlong {
             body: person.name.clone(),
             tries: TRIES,
             followed: TRIES - lost.len(),
             lost_from: lost.iter().min().map(|k| *k as f64 / STEPS as f64),
-            unsupported: walks.extrapolation_share,
+            unsupported: repetitions.extrapolation_share,
             unusual_starts: unusual as f64 / TRIES as f64,
         }
     });

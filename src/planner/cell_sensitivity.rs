@@ -5,9 +5,9 @@
 //! between by its share of the way; with the robot's base all of it moves, because the robot plays its
 //! motion in its own frame. The robot itself is not asked again.
 
-use super::evaluate::Person;
 use super::lens::lens;
 use super::objective::Figures;
+use super::person::{Person, modelled};
 use crate::ergonomics::{PairedDifference, paired_difference};
 use crate::files::InputError;
 use crate::human::Stance;
@@ -183,12 +183,13 @@ fn outcome(
     (path, straight): Paths,
     (slower, moved): (f64, Moved),
 ) -> Result<Outcome, InputError> {
-    let all = Person::all(cell, None)?;
+    let modelled = modelled(cell)?;
+    let all = Person::all(cell, &modelled)?;
     let lens = lens(cell);
     let nominal = cell.nominal();
     let walk = |path: &TimedPath| {
         let path = carried(path, slower, moved);
-        Figures::of(&all[body].walk(&path, &nominal, (seed, BLOCK), 0..repetitions), &lens)
+        Figures::of(&all[body].repeat(&path, &nominal, (seed, BLOCK), 0..repetitions), &lens)
     };
     let own = walk(path);
     let against =

@@ -1,7 +1,7 @@
 //! What a run was made of: inputs of the scores with their origin, the cell, the posture model, what is
 //! not modelled.
 
-use super::evaluate::Walks;
+use super::repetitions::Repetitions;
 use super::result::{
     Alternative, BodyFacts, IfChanged, InputOrigin, ModelSummary, NotModelled, ScoreInput, Setting,
     StartKind, WorkerFacts,
@@ -14,27 +14,31 @@ use crate::scenario::{Origin, OtherArm, Scenario};
 use crate::survey::{Lens, NeckRule};
 
 /// The inputs of the scores, where they come from, and what one class more would change for the
-/// person of `walks`: the body of the verdict on the best path.
-pub(super) fn inputs(scenario: &Scenario, lens: &Lens, walks: Option<&Walks>) -> Vec<InputOrigin> {
-    let now = walks.map(|w| (w, w.expected(lens)));
+/// person of `repetitions`: the body of the verdict on the best path.
+pub(super) fn inputs(
+    scenario: &Scenario,
+    lens: &Lens,
+    repetitions: Option<&Repetitions>,
+) -> Vec<InputOrigin> {
+    let now = repetitions.map(|w| (w, w.expected(lens)));
     let look = Look { lens, now };
     let mut all = posture_inputs(scenario, &look);
     all.extend(task_inputs(scenario, &look));
     all
 }
 
-/// The best path's walks, to be scored under other assumptions.
+/// The best path's repetitions, to be scored under other assumptions.
 struct Look<'a> {
     lens: &'a Lens,
-    now: Option<(&'a Walks, PerMethod<f64>)>,
+    now: Option<(&'a Repetitions, PerMethod<f64>)>,
 }
 
 impl Look<'_> {
     fn changed(&self, to: Alternative, change: impl Fn(&mut Lens)) -> Option<IfChanged> {
-        let (walks, now) = self.now.as_ref()?;
+        let (repetitions, now) = self.now.as_ref()?;
         let mut other = self.lens.clone();
         change(&mut other);
-        let then = walks.expected(&other);
+        let then = repetitions.expected(&other);
         Some(IfChanged { to, change: PerMethod::of(|m| then[m] - now[m]) })
     }
 }

@@ -1,8 +1,9 @@
 //! Makes the moving scene from robot motions and sampled postures.
 
-use super::evaluate::{Person, Walk, Walks};
-use super::pipeline::Environment;
+use super::environment::Environment;
+use super::person::Person;
 use super::prepare::Prepared;
+use super::repetitions::{Repetition, Repetitions};
 use super::result::CandidateResult;
 use super::scene::{
     Points, Scene, SceneMotion, SceneObstacle, ScenePeople, SceneRobot, SceneShape, Walker, joined,
@@ -59,36 +60,30 @@ fn obstacle((name, obstacle): &(String, Obstacle)) -> SceneObstacle {
     SceneObstacle { name: name.clone(), shape }
 }
 
-impl Environment<'_> {
-    /// Robot and people along a reported path.
-    pub(super) fn film(
-        &self,
-        prepared: &Prepared,
-        result: &CandidateResult,
-        walks: &[Walks],
-    ) -> Option<SceneMotion> {
-        let path = prepared.path.as_ref()?;
-        let last = path.time_s.len() - 1;
-        let count = MOMENTS.min(last + 1);
-        let samples: Vec<usize> = (0..count).map(|i| i * last / (count - 1).max(1)).collect();
-        let robot_q = result.path.as_ref().map(|p| &p.robot_q);
-        let robot = robot_q.filter(|q| q.len() > last).map(|q| {
-            let postures: Vec<&[f64]> = samples.iter().map(|&k| q[k].as_slice()).collect();
-            filmed_robot(&self.workshop.robot_of(&prepared.variant), &postures)
-        });
-        let people =
-            self.people.iter().zip(walks).zip(&result.bodies).map(|((person, walks), b)| {
-                let pelvis = person.pelvis(&prepared.variant);
-                Filming { person, pelvis, samples: &samples, lens: self.lens }
-                    .people(walks, &b.rula().by_rollout)
-            });
-        Some(SceneMotion {
-            candidate: prepared.id.clone(),
-            people: people.collect(),
-            samples,
-            robot,
-        })
-    }
+/// Robot and worker along a reported path.
+pub(super) fn film(
+    environment: &Environment,
+    prepared: &Prepared,
+    result: &CandidateResult,
+    repetitions: &[Repetitions],
+) -> Option<SceneMotion> {
+    let path = prepared.path.as_ref()?;
+    let last = path.time_s.len() - 1;
+    let count = MOMENTS.min(last + 1);
+    let samples: Vec<usize> = (0..count).map(|i| i * last / (count - 1).max(1)).collect();
+    let robot_q = result.path.as_ref().map(|p| &p.robot_q);
+    let robot = robot_q.filter(|q| q.len() > last).map(|q| {
+        let postures: Vec<&[f64]> = samples.iter().map(|&k| q[k].as_slice()).collect();
+        filmed_robot(&environment.workshop.robot_of(&prepared.variant), &postures)
+    });
+    let people = environment.people.iter().zip(repetitions).zip(&result.bodies).map(
+        |((person, repetitions), b)| {
+            let pelvis = person.pelvis(&prepared.variant);
+            Filming { person, pelvis, samples: &samples, lens: environment.lens }
+                .people(repetitions, &b.rula().by_rollout)
+        },
+    );
+    Some(SceneMotion { candidate: prepared.id.clone(), people: people.collect(), samples, robot })
 }
 
 /// The capsules of a robot, or its stick figure, in each posture.
@@ -121,9 +116,10 @@ struct Filming<'a> {
 }
 
 impl Filming<'_> {
-    fn people(&self, walks: &Walks, rula: &[f64]) -> ScenePeople {
-        let typical = self.typical(&walks.all);
-        let shown: Vec<usize> = typical.into_iter().chain(self.ghosts(&walks.all, rula)).collect();
+    fn people(&self, repetitions: &Repetitions, rula: &[f64]) -> ScenePeople {
+        let typical = self.typical(&repetitions.all);
+        let shown: Vec<usize> =
+            typical.into_iter().chain(self.ghosts(&repetitions.all, rula)).collect();
         let envelope = &self.person.envelope;
         let mut scratch = EnvelopeScratch::default();
         let mut place = |q: &DVector<f64>| -> Vec<Vec3> {
@@ -134,16 +130,18 @@ impl Filming<'_> {
         let points: Vec<Points> = shown
             .iter()
             .map(|&r| {
-                let walk = &walks.all[r];
-                let moments = self.reached(walk).iter().map(|&k| place(&walk.rollout.q[k]));
+                let repetition = &repetitions.all[r];
+                let moments =
+                    self.reached(repetition).iter().map(|&k| place(&repetition.rollout.q[k]));
                 Points::of(&moments.collect::<Vec<_>>())
             })
             .collect();
         let radii: Vec<f64> = envelope.parts().iter().map(|p| p.radius_m).collect();
         let (capsules, tracks) = joined(&points, &radii);
         let mut walkers = shown.iter().zip(tracks).map(|(&rollout, track)| {
-            let walk = &walks.all[rollout];
-            let scores = self.reached(walk).iter().map(|&k| walk.angles[k].score(self.lens));
+            let repetition = &repetitions.all[rollout];
+            let scores =
+                self.reached(repetition).iter().map(|&k| repetition.angles[k].score(self.lens));
             let (rula, reba) = scores.map(|(rula, reba)| (rula.grand, reba.total)).unzip();
             Walker { rollout, rula, reba, track }
         });
@@ -153,14 +151,14 @@ impl Filming<'_> {
     }
 
     /// The samples at which the hand was where it should be.
-    fn reached(&self, walk: &Walk) -> &[usize] {
-        let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+    fn reached(&self, repetition: &Repetition) -> &[usize] {
+        let end = repetition.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
         &self.samples[..self.samples.partition_point(|&k| k < end)]
     }
 
     /// The repetition nearest to the mean posture, among those that come farthest. A posture made of
     /// mean angles would not hold the hand on the path; this one does.
-    fn typical(&self, all: &[Walk]) -> Option<usize> {
+    fn typical(&self, all: &[Repetition]) -> Option<usize> {
         let far = all.iter().map(|w| self.reached(w).len()).max().filter(|n| *n > 0)?;
         let whole: Vec<usize> =
             (0..all.len()).filter(|&r| self.reached(&all[r]).len() == far).collect();
@@ -178,7 +176,7 @@ impl Filming<'_> {
     }
 
     /// Repetitions spread evenly over their ranking by RULA.
-    fn ghosts(&self, all: &[Walk], rula: &[f64]) -> Vec<usize> {
+    fn ghosts(&self, all: &[Repetition], rula: &[f64]) -> Vec<usize> {
         let mut ranked: Vec<usize> =
             (0..all.len().min(rula.len())).filter(|&r| !self.reached(&all[r]).is_empty()).collect();
         ranked.sort_by(|&a, &b| rula[a].total_cmp(&rula[b]).then(a.cmp(&b)));

@@ -1,14 +1,16 @@
 //! From the searches to the paths that are reported: ours, the baselines and the user's own.
 
-use super::guard::prices;
+use super::environment::{Environment, SELECTION_BLOCK, counted};
+use super::guard::{keeps_timing, prices};
 use super::near::Care;
 use super::objective::{Figures, objective};
-use super::pipeline::{Environment, PlanError, SELECTION_BLOCK, counted};
 use super::prepare::Prepared;
-use super::result::{Bought, CandidateResult, Evaluated, Status};
-use super::search::{SearchState, Tried};
-use super::searches::{LEARNED, OURS, PLAIN, RANDOM, RETIMED, Searches, WITHOUT, held};
-use super::space::Space;
+use super::refusal::Status;
+use super::request::PlanError;
+use super::result::{Bought, CandidateResult, Evaluated};
+use super::searches::{LEARNED, OURS, PLAIN, RANDOM, RETIMED, Searches};
+use super::space::{Space, WITHOUT, held};
+use super::tried::{SearchState, Tried};
 use crate::path::{Candidate, Family};
 use rayon::prelude::*;
 
@@ -25,7 +27,7 @@ pub(super) struct Finalist {
     pub prepared: Prepared,
     /// Not one of ours: reported whatever its figures are.
     pub is_kept: bool,
-    /// The objective on the selection's repetitions; none when it cannot be walked.
+    /// The objective on the selection's repetitions; none when it cannot be simulated.
     pub value: Option<f64>,
     /// In which figures it is clearly worse than the straight path on these repetitions.
     pub bought: Vec<Bought>,
@@ -97,20 +99,20 @@ pub(super) fn finalists(
     Ok(pool)
 }
 
-/// What a baseline's search found: its best path from which the robot keeps its distance to people, or
+/// What a baseline's search found: its best path from which the robot keeps its distance to the worker, or
 /// its best one if it found none such. A plan with a single posture cannot see how others come near.
 fn stand_in(environment: &Environment, space: &Space, state: &SearchState) -> Option<Prepared> {
     let mut best = None;
     for tried in state.best(STAND_INS, environment.preset.rollouts_most, SAME_PATH) {
         let Some(mut prepared) = decoded(environment, space, tried) else { continue };
-        if prepared.is_walkable() {
-            let people = 0..FIRST_ROUND.min(environment.preset.rollouts_final);
+        if prepared.is_feasible() {
+            let repetitions = 0..FIRST_ROUND.min(environment.preset.rollouts_final);
             let block = (environment.seed, SELECTION_BLOCK);
-            let figures = environment.figures(&prepared, block, people, Care::Selection);
+            let figures = environment.figures(&prepared, block, repetitions, Care::Selection);
             let (names, margin) =
                 (environment.scenario.body_names(), &environment.scenario.person_margin);
             prepared.refuse_if_too_near(&names, &figures, (margin, true));
-            if prepared.is_walkable() {
+            if prepared.is_feasible() {
                 return Some(prepared);
             }
         }
@@ -119,7 +121,7 @@ fn stand_in(environment: &Environment, space: &Space, state: &SearchState) -> Op
     best
 }
 
-/// The best path of a search on the selection's people.
+/// The best path of a search on the selection's repetitions.
 fn best_of(
     environment: &Environment,
     space: &Space,
@@ -144,8 +146,8 @@ fn ours(
     let prepared = counted(environment, "preparing", (0, total, None), &points, |t| {
         decoded(environment, space, t)
     })?;
-    let walkable = prepared.into_iter().flatten().filter(Prepared::is_walkable);
-    Ok(walkable.map(|prepared| Finalist::new(prepared, false)).collect())
+    let feasible = prepared.into_iter().flatten().filter(Prepared::is_feasible);
+    Ok(feasible.map(|prepared| Finalist::new(prepared, false)).collect())
 }
 
 fn decoded(environment: &Environment, space: &Space, tried: &Tried) -> Option<Prepared> {
@@ -161,18 +163,19 @@ fn shortest(
     pool: &[Finalist],
 ) -> Option<Finalist> {
     let is_straight = |f: &&Finalist| f.prepared.family == Family::Straight;
-    if pool.iter().find(is_straight).is_none_or(|f| f.prepared.is_walkable()) {
+    if pool.iter().find(is_straight).is_none_or(|f| f.prepared.is_feasible()) {
         return None;
     }
     let with_all_freedoms = |n: &str| !n.starts_with(WITHOUT);
     let tried = searches.done.iter().filter(|(n, _)| with_all_freedoms(n)).flat_map(|s| &s.1.tried);
-    let found = tried.filter(|t| t.people > 0).min_by(|a, b| a.length_m.total_cmp(&b.length_m))?;
+    let found =
+        tried.filter(|t| t.repetitions > 0).min_by(|a, b| a.length_m.total_cmp(&b.length_m))?;
     let mut prepared = decoded(environment, space, found)?;
     (prepared.id, prepared.family) = ("shortest".to_owned(), Family::Shortest);
     Some(Finalist::new(prepared, true))
 }
 
-/// Successive halving of our own on fresh people, with all that is kept beside them. Best first; what
+/// Successive halving of our own on fresh repetitions, with all that is kept beside them. Best first; what
 /// nobody can be sent along comes last, without a value.
 pub(super) fn select(
     environment: &Environment,
@@ -214,38 +217,38 @@ fn by_worth(a: &Finalist, b: &Finalist) -> std::cmp::Ordering {
     is_worthy(a).cmp(&is_worthy(b)).reverse().then(by_value(a, b))
 }
 
-/// Sends people along some of the pool and sets their values.
+/// Simulates some of the pool and sets their values.
 fn measure(
     environment: &Environment,
     pool: &mut [Finalist],
     figures: &mut [Vec<Figures>],
     which: &[usize],
-    people: std::ops::Range<usize>,
+    repetitions: std::ops::Range<usize>,
 ) -> Result<(), PlanError> {
-    let walkable: Vec<usize> =
-        which.iter().copied().filter(|&i| pool[i].prepared.is_walkable()).collect();
+    let feasible: Vec<usize> =
+        which.iter().copied().filter(|&i| pool[i].prepared.is_feasible()).collect();
     let block = (environment.seed, SELECTION_BLOCK);
-    let total = walkable.len();
+    let total = feasible.len();
     let straight = environment.straight.as_ref();
-    let straight = straight.map(|s| environment.figures(s, block, 0..people.end, Care::Blind));
-    let found = counted(environment, "selecting", (0, total, None), &walkable, |&i| {
-        environment.figures(&pool[i].prepared, block, people.clone(), Care::Selection)
+    let straight = straight.map(|s| environment.figures(s, block, 0..repetitions.end, Care::Blind));
+    let found = counted(environment, "selecting", (0, total, None), &feasible, |&i| {
+        environment.figures(&pool[i].prepared, block, repetitions.clone(), Care::Selection)
     })?;
-    for (&i, more) in walkable.iter().zip(found) {
+    for (&i, more) in feasible.iter().zip(found) {
         figures[i].iter_mut().zip(more).for_each(|(f, m)| f.extend(m));
         pool[i].prepared.refuse_if_nobody_reaches(&environment.scenario.body_names(), &figures[i]);
-        let is_all = people.end >= environment.preset.rollouts_final;
+        let is_all = repetitions.end >= environment.preset.rollouts_final;
         pool[i].prepared.refuse_if_too_near(
             &environment.scenario.body_names(),
             &figures[i],
             (&environment.scenario.person_margin, is_all),
         );
-        let is_usable = pool[i].prepared.is_walkable();
+        let is_usable = pool[i].prepared.is_feasible();
         let terms = environment.terms(&pool[i].prepared);
         let value = objective(&environment.preset.objective, &figures[i], terms);
         pool[i].value = is_usable.then_some(value);
         let straight = straight.as_deref().unwrap_or_default();
-        pool[i].keeps_timing = environment.keeps_timing(&pool[i].prepared);
+        pool[i].keeps_timing = keeps_timing(environment, &pool[i].prepared);
         pool[i].bought = prices(&environment.preset.objective, &figures[i], straight);
     }
     Ok(())
@@ -277,7 +280,7 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             timing: None,
             other_timing: false,
             bought: Vec::new(),
-            objective: (t.people > 0).then_some(t.value),
+            objective: (t.repetitions > 0).then_some(t.value),
             bodies: Vec::new(),
             path: None,
             poses: Vec::new(),

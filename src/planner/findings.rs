@@ -1,7 +1,6 @@
 //! What a run finds besides its figures, as facts: what was chosen, what makes the figures doubtful,
 //! what was not checked. How it is said is the business of [`crate::words`].
 
-use super::result::MethodScores;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::robot::NotChecked;
 use crate::scenario::EndMismatch;
@@ -193,15 +192,6 @@ pub enum Figure {
 impl Figure {
     /// All figures that are compared between bodies.
     pub const ALL: [Self; 3] = [Self::Expected, Self::High, Self::Peak];
-
-    /// The figure of one body.
-    pub fn of(self, scores: &MethodScores) -> f64 {
-        match self {
-            Self::Expected => scores.distribution.expected,
-            Self::High => scores.high_band[0],
-            Self::Peak => scores.peak,
-        }
-    }
 }
 
 impl Finding {

@@ -4,8 +4,8 @@
 //! otherwise be squeezed by its limits until it lingers where posture is good.)
 
 use super::along::timing_between;
+use super::environment::Environment;
 use super::objective::Figures;
-use super::pipeline::Environment;
 use super::prepare::Prepared;
 use super::preset::Objective;
 use super::result::{BodyScores, Bought, Price, TimingDifference};
@@ -88,30 +88,28 @@ pub(super) fn penalty(o: &Objective, this: &[Figures], straight: &[Figures]) -> 
 const TIMING_PENALTY: f64 = 20.0;
 const TIMING_ROOM: f64 = 0.8;
 
-impl Environment<'_> {
-    /// Whether paths have to keep the straight one's timing.
-    pub(super) fn holds_timing(&self) -> bool {
-        let free = &self.scenario.free;
-        free.pace_spread.is_none() && free.range(Freedom::Dwell).is_none()
-    }
+/// Whether paths have to keep the straight one's timing.
+pub(super) fn holds_timing(environment: &Environment) -> bool {
+    let free = &environment.scenario.free;
+    free.pace_spread.is_none() && free.range(Freedom::Dwell).is_none()
+}
 
-    /// Largest difference of progress from the straight path; 0 where the timing need not be held.
-    fn progress_apart(&self, p: &Prepared) -> f64 {
-        let paths = p.path.as_ref().zip(self.straight.as_ref().and_then(|s| s.path.as_ref()));
-        let apart = paths.filter(|_| self.holds_timing()).and_then(|(a, b)| timing_between(a, b));
-        apart.map_or(0.0, |t| t.progress)
-    }
+/// Largest difference of progress from the straight path; 0 where the timing need not be held.
+fn progress_apart(environment: &Environment, p: &Prepared) -> f64 {
+    let paths = p.path.as_ref().zip(environment.straight.as_ref().and_then(|s| s.path.as_ref()));
+    let apart = paths.filter(|_| holds_timing(environment)).and_then(|(a, b)| timing_between(a, b));
+    apart.map_or(0.0, |t| t.progress)
+}
 
-    /// What a search adds for another timing than the straight path's.
-    pub(super) fn timing_penalty(&self, p: &Prepared) -> f64 {
-        let room = TIMING_ROOM * TimingDifference::PROGRESS;
-        TIMING_PENALTY * (self.progress_apart(p) - room).max(0.0)
-    }
+/// What a search adds for another timing than the straight path's.
+pub(super) fn timing_penalty(environment: &Environment, p: &Prepared) -> f64 {
+    let room = TIMING_ROOM * TimingDifference::PROGRESS;
+    TIMING_PENALTY * (progress_apart(environment, p) - room).max(0.0)
+}
 
-    /// Whether a path's timing allows it to be the best.
-    pub(super) fn keeps_timing(&self, p: &Prepared) -> bool {
-        self.progress_apart(p) <= TimingDifference::PROGRESS
-    }
+/// Whether a path's timing allows it to be the best.
+pub(super) fn keeps_timing(environment: &Environment, p: &Prepared) -> bool {
+    progress_apart(environment, p) <= TimingDifference::PROGRESS
 }
 
 #[cfg(test)]

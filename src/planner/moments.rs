@@ -1,7 +1,8 @@
 //! The postures of the best path that a reader wants to see: at the hardest moment, of the hardest
 //! repetition, and the one that is held longest.
 
-use super::evaluate::{Person, Walk, Walks};
+use super::person::Person;
+use super::repetitions::{Repetition, Repetitions};
 use super::result::{Moment, MomentKind};
 use crate::ergonomics::{Clock, TimeRules};
 use crate::scenario::Variant;
@@ -11,18 +12,19 @@ use nalgebra::DVector;
 /// The postures, by what they show; none where nobody reaches the start.
 pub(super) fn moments(
     person: &Person,
-    walks: &Walks,
+    repetitions: &Repetitions,
     variant: &Variant,
     lens: &Lens,
 ) -> Vec<Moment> {
-    let scores: Vec<Vec<(u8, u8)>> = walks.all.iter().map(|w| scored(w, lens)).collect();
-    let at = Place { person, walks, variant, lens };
+    let scores: Vec<Vec<(u8, u8)>> = repetitions.all.iter().map(|w| scored(w, lens)).collect();
+    let at = Place { person, repetitions, variant, lens };
     let mut found = Vec::new();
     let hardest = hardest_time(&scores);
-    let typical = hardest.and_then(|k| Some((nearest_to_mean(&walks.all, &scores, k)?, k)));
+    let typical = hardest.and_then(|k| Some((nearest_to_mean(&repetitions.all, &scores, k)?, k)));
     if let Some((r, k)) = typical {
         found.push(at.moment(MomentKind::TypicalAtHardest, (r, k), None));
-        if let Some((middle, held_s)) = longest_hold(&walks.all[r], scores[r].len(), walks.dt, lens)
+        if let Some((middle, held_s)) =
+            longest_hold(&repetitions.all[r], scores[r].len(), repetitions.dt, lens)
         {
             found.push(at.moment(MomentKind::HeldLongest, (r, middle), Some(held_s)));
         }
@@ -37,13 +39,13 @@ pub(super) fn moments(
 }
 
 /// RULA and REBA of the frames that the hand reached.
-fn scored(walk: &Walk, lens: &Lens) -> Vec<(u8, u8)> {
-    let end = walk.rollout.reach_exceeded_at.unwrap_or(walk.angles.len());
+fn scored(repetition: &Repetition, lens: &Lens) -> Vec<(u8, u8)> {
+    let end = repetition.rollout.reach_exceeded_at.unwrap_or(repetition.angles.len());
     let score = |a: &PostureAngles| {
         let (rula, reba) = a.score(lens);
         (rula.grand, reba.total)
     };
-    walk.angles[..end.min(walk.angles.len())].iter().map(score).collect()
+    repetition.angles[..end.min(repetition.angles.len())].iter().map(score).collect()
 }
 
 /// The frame with the highest mean RULA; the first of several.
@@ -64,7 +66,7 @@ fn hardest_time(scores: &[Vec<(u8, u8)>]) -> Option<usize> {
 }
 
 /// The repetition whose joint angles are nearest to the mean of all at a frame.
-fn nearest_to_mean(all: &[Walk], scores: &[Vec<(u8, u8)>], k: usize) -> Option<usize> {
+fn nearest_to_mean(all: &[Repetition], scores: &[Vec<(u8, u8)>], k: usize) -> Option<usize> {
     let there: Vec<usize> = (0..all.len()).filter(|&r| scores[r].len() > k).collect();
     let q = |r: usize| &all[r].rollout.q[k];
     let zero = DVector::zeros(q(*there.first()?).len());
@@ -74,9 +76,14 @@ fn nearest_to_mean(all: &[Walk], scores: &[Vec<(u8, u8)>], k: usize) -> Option<u
 }
 
 /// Middle frame and length (s) of the longest hold of trunk and arm together.
-fn longest_hold(walk: &Walk, frames: usize, dt: f64, lens: &Lens) -> Option<(usize, f64)> {
+fn longest_hold(
+    repetition: &Repetition,
+    frames: usize,
+    dt: f64,
+    lens: &Lens,
+) -> Option<(usize, f64)> {
     let of = |pick: fn(&PostureAngles, &Lens) -> f64| -> Vec<f64> {
-        walk.angles[..frames].iter().map(|a| pick(a, lens)).collect()
+        repetition.angles[..frames].iter().map(|a| pick(a, lens)).collect()
     };
     let angles = [
         of(|a, l| a.trunk_neck(l.neck).trunk_flex_deg),
@@ -95,15 +102,15 @@ fn longest_hold(walk: &Walk, frames: usize, dt: f64, lens: &Lens) -> Option<(usi
 
 struct Place<'a> {
     person: &'a Person<'a>,
-    walks: &'a Walks,
+    repetitions: &'a Repetitions,
     variant: &'a Variant,
     lens: &'a Lens,
 }
 
 impl Place<'_> {
     fn moment(&self, what: MomentKind, (r, k): (usize, usize), held_s: Option<f64>) -> Moment {
-        let walk = &self.walks.all[r];
-        let angles = &walk.angles[k];
+        let repetition = &self.repetitions.all[r];
+        let angles = &repetition.angles[k];
         let (rula, reba) = angles.score(self.lens);
         let (t, arm) = (angles.trunk_neck(self.lens.neck), &angles.arm);
         let named = [
@@ -122,7 +129,7 @@ impl Place<'_> {
             what,
             body: self.person.name.clone(),
             repetition: r,
-            time_s: k as f64 * self.walks.dt,
+            time_s: k as f64 * self.repetitions.dt,
             held_s,
             rula: rula.grand,
             reba: reba.total,
@@ -130,7 +137,7 @@ impl Place<'_> {
             bones: self
                 .person
                 .surveyor
-                .bones_at(&self.person.pelvis(self.variant), &walk.rollout.q[k]),
+                .bones_at(&self.person.pelvis(self.variant), &repetition.rollout.q[k]),
         }
     }
 }

@@ -1,14 +1,14 @@
-//! How near the robot comes to the people who are rolled out: a chance constraint.
+//! How near the robot comes to the worker, in every repetition: a chance constraint.
 //!
 //! ```text
 //! d_r = least distance of repetition r between the arm's and the body's capsules, over time
 //! feasible:  share of repetitions with d_r < margin  <=  share allowed
 //! ```
 //! The hand and forearm that hold on to the robot are meant to be at its wrist: these pairs do not
-//! count. The search looks at few people and moments, the selection at all people, the report at all
-//! people and every step near the closest one. A planning margin, not a safety function.
+//! count. The search looks at few repetitions and moments, the selection at all repetitions at some
+//! moments, the report at every step near the closest one as well. A planning margin, not a safety function.
 
-use super::evaluate::{Walk, Walks};
+use super::repetitions::{Repetition, Repetitions};
 use super::result::PersonClearance;
 use crate::human::{BodyPart, Envelope, EnvelopeScratch};
 use crate::math::segment::segment_distance;
@@ -19,7 +19,7 @@ use crate::scenario::PersonMargin;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// People of a search who are looked at.
+/// Repetitions of a search that are looked at.
 const MOST_IN_SEARCH: usize = 16;
 
 /// How closely it is looked.
@@ -27,11 +27,11 @@ const MOST_IN_SEARCH: usize = 16;
 pub(super) enum Care {
     /// Nobody: only the scores are wanted.
     Blind,
-    /// The people that the best of a generation meet, at a few moments.
+    /// The repetitions that the best of a generation meet, at a few moments.
     Search,
-    /// All people at some moments.
+    /// All repetitions at some moments.
     Selection,
-    /// All people, and every step about the closest moment.
+    /// All repetitions, and every step about the closest moment.
     Report,
 }
 
@@ -44,8 +44,8 @@ impl Care {
         }
     }
 
-    /// Number of people who are looked at.
-    pub(super) fn people(self) -> usize {
+    /// Number of repetitions that are looked at.
+    pub(super) fn repetitions(self) -> usize {
         match self {
             Self::Blind => 0,
             Self::Search => MOST_IN_SEARCH,
@@ -109,34 +109,34 @@ impl<'r> ArmAlong<'r> {
         Some(Self { parts, first, places, care })
     }
 
-    /// Where each repetition comes nearest; none for one that does not even start. `people`: their
-    /// numbers.
+    /// Where each repetition comes nearest; none for one that does not even start. `numbers`: theirs.
     pub(super) fn closest(
         &self,
-        walks: &Walks,
-        people: &Range<usize>,
+        repetitions: &Repetitions,
+        numbers: &Range<usize>,
         (envelope, pelvis): (&Envelope, &Pose),
     ) -> Vec<Option<Closest>> {
-        let count = self.care.people().saturating_sub(people.start).min(walks.all.len());
-        walks.all[..count]
+        let count =
+            self.care.repetitions().saturating_sub(numbers.start).min(repetitions.all.len());
+        repetitions.all[..count]
             .par_iter()
-            .map_with(Scratch::default(), |scratch, walk| {
-                self.along(walk, (envelope, pelvis), scratch)
+            .map_with(Scratch::default(), |scratch, repetition| {
+                self.along(repetition, (envelope, pelvis), scratch)
             })
             .collect()
     }
 
     fn along(
         &self,
-        walk: &Walk,
+        repetition: &Repetition,
         body: (&Envelope, &Pose),
         scratch: &mut Scratch,
     ) -> Option<Closest> {
-        let end = walk.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
+        let end = repetition.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
         let mut best: Option<Closest> = None;
         let mut look = |k: usize, best: &mut Option<Closest>| {
-            if k < end && k < walk.rollout.q.len() {
-                self.at(k, walk.rollout.q[k].as_slice(), body, scratch, best);
+            if k < end && k < repetition.rollout.q.len() {
+                self.at(k, repetition.rollout.q[k].as_slice(), body, scratch, best);
             }
         };
         for &k in &self.first {
@@ -192,7 +192,7 @@ impl<'r> ArmAlong<'r> {
         [self.parts[closest.arm].link.to_owned(), parts[closest.part].name.clone()]
     }
 
-    /// The figures of one body for the report; none without people.
+    /// The figures of one body for the report; none without repetitions.
     pub(super) fn summary(
         &self,
         closest: &[Option<Closest>],
@@ -231,7 +231,7 @@ struct Scratch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planner::evaluate::Person;
+    use crate::planner::person::{Person, modelled};
     use crate::planner::prepare::Workshop;
     use crate::planner::preset::load_preset;
     use crate::planner::space::Space;
@@ -240,15 +240,15 @@ mod tests {
 
     /// Plain loop over every repetition, step and pair.
     fn naively(
-        walks: &Walks,
+        repetitions: &Repetitions,
         (envelope, pelvis): (&Envelope, &Pose),
         (robot, q): (&Robot, &[Vec<f64>]),
     ) -> Vec<f64> {
         let (parts, places) = (arm_parts(robot), arm_places(robot, q));
         let mut body = Vec::new();
-        let of = |walk: &Walk| {
+        let of = |repetition: &Repetition| {
             let mut least = f64::INFINITY;
-            for (posture, arm) in walk.rollout.q.iter().zip(&places) {
+            for (posture, arm) in repetition.rollout.q.iter().zip(&places) {
                 let scratch = &mut EnvelopeScratch::default();
                 envelope.place(pelvis, posture.as_slice(), scratch, &mut body);
                 for (shape, x) in envelope.parts().iter().zip(&body) {
@@ -262,7 +262,7 @@ mod tests {
             }
             least
         };
-        walks.all.iter().map(of).collect()
+        repetitions.all.iter().map(of).collect()
     }
 
     #[test]
@@ -278,16 +278,17 @@ mod tests {
             assert!(prepared.path.is_some(), "{name}: {:?}", prepared.status);
             let (path, motion) =
                 (prepared.path.as_ref().unwrap(), prepared.robot.as_ref().unwrap());
-            let people = Person::all(&scenario, None).unwrap();
+            let modelled = modelled(&scenario).unwrap();
+            let people = Person::all(&scenario, &modelled).unwrap();
             let person = &people[0];
-            let walks = person.walk(path, &prepared.variant, (1, 7), 0..12);
+            let repetitions = person.repeat(path, &prepared.variant, (1, 7), 0..12);
             let w = &scenario.worker;
             let envelope = Envelope::new(&w.bodies[0], w.side, w.stance).unwrap();
             let pelvis = w.bodies[0].pelvis_pose(w.at_m, w.facing, w.stance);
-            let plain = naively(&walks, (&envelope, &pelvis), (&scenario.robot, &motion.q));
+            let plain = naively(&repetitions, (&envelope, &pelvis), (&scenario.robot, &motion.q));
             let found = |care: Care| -> Vec<f64> {
                 let arm = prepared.arm(&scenario.robot, care).unwrap();
-                let closest = person.closest(&walks, &(8..20), (&arm, &prepared.variant));
+                let closest = person.closest(&repetitions, &(8..20), (&arm, &prepared.variant));
                 closest.into_iter().map(|c| c.unwrap().distance_m).collect()
             };
             let (report, coarse, few) =
@@ -302,7 +303,7 @@ mod tests {
             }
             let margin = PersonMargin { margin_m: quantile(&plain, 0.5), share: 0.3 };
             let arm = prepared.arm(&scenario.robot, Care::Report).unwrap();
-            let closest = person.closest(&walks, &(0..12), (&arm, &prepared.variant));
+            let closest = person.closest(&repetitions, &(0..12), (&arm, &prepared.variant));
             let body = (person.parts(), &path.time_s[..]);
             let summary = arm.summary(&closest, body, &margin).unwrap();
             let below = report.iter().filter(|d| **d < margin.margin_m).count();

@@ -1,13 +1,17 @@
-//! What is made small, from the figures of every rollout.
+//! The objective, from the figures of every rollout.
 
-use super::apart::crowding;
-use super::evaluate::Walks;
 use super::preset::Objective;
+use super::repetitions::Repetitions;
 use super::scored::{MethodFigures, Scored};
 use crate::ergonomics::{PerMethod, ScoringMethod};
-use crate::math::stats::{cvar_upper, mean};
+use crate::math::stats::{cvar_upper, mean, normal_quantile, std_dev};
 use crate::scenario::PersonMargin;
 use crate::survey::Lens;
+
+/// Least margin by which a shortfall is measured, m.
+const LEAST_MARGIN_M: f64 = 0.01;
+/// Weight of a whole missing margin, in units of the objective; about what paths differ by.
+const CROWDED: f64 = 0.5;
 
 /// Figures of one body along one path, one entry for each repetition.
 #[derive(Debug, Clone, Default)]
@@ -28,15 +32,15 @@ pub struct Figures {
 
 impl Figures {
     /// Of the repetitions of one body.
-    pub(super) fn of(walks: &Walks, lens: &Lens) -> Self {
-        let scored = Scored::of(walks, lens);
+    pub(super) fn of(repetitions: &Repetitions, lens: &Lens) -> Self {
+        let scored = Scored::of(repetitions, lens);
         let lost: Vec<Option<usize>> =
-            walks.all.iter().map(|w| w.rollout.reach_exceeded_at).collect();
+            repetitions.all.iter().map(|w| w.rollout.reach_exceeded_at).collect();
         Self {
             scores: PerMethod::of(|m| scored.figures(m)),
             lost: lost.iter().map(|l| f64::from(u8::from(l.is_some()))).collect(),
-            lost_from_s: lost.into_iter().flatten().min().map(|k| k as f64 * walks.dt),
-            effort: walks.all.iter().map(|w| effort(&w.rollout.q, walks.dt)).collect(),
+            lost_from_s: lost.into_iter().flatten().min().map(|k| k as f64 * repetitions.dt),
+            effort: repetitions.all.iter().map(|w| effort(&w.rollout.q, repetitions.dt)).collect(),
             near_m: Vec::new(),
             nearest: None,
         }
@@ -121,4 +125,36 @@ pub(super) fn objective(o: &Objective, bodies: &[Figures], path: PathTerms) -> f
         .person
         .map_or(0.0, |margin| bodies.iter().map(|b| crowding(b, &margin)).fold(0.0, f64::max));
     worst + terms + crowded
+}
+
+/// What too little distance adds to the objective in the search: for a body, its figures. The few
+/// repetitions there are too few to count those below the margin, so that the distance which the allowed
+/// share undercuts is estimated as that of a normal distribution.
+fn crowding(figures: &Figures, margin: &PersonMargin) -> f64 {
+    let d = &figures.near_m;
+    if d.is_empty() || margin.share >= 1.0 {
+        return 0.0;
+    }
+    let spread = if d.len() > 1 { std_dev(d) } else { 0.0 };
+    let undercut = mean(d) + normal_quantile(margin.share) * spread;
+    let missing = (margin.margin_m - undercut) / margin.margin_m.max(LEAST_MARGIN_M);
+    CROWDED * missing.max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_repetitions_cost_what_is_missing_of_the_margin() {
+        let margin = PersonMargin { margin_m: 0.05, share: 0.05 };
+        let of = |near_m: Vec<f64>| Figures { near_m, ..Figures::default() };
+        assert_eq!(crowding(&of(vec![0.2, 0.21, 0.22, 0.23]), &margin), 0.0);
+        // Mean 0.06, standard deviation 0.01: one in twenty is below 0.0436, 13 % of the margin short.
+        let near = vec![0.05, 0.06, 0.07];
+        assert!((crowding(&of(near.clone()), &margin) - 0.5 * 0.1290).abs() < 1e-4);
+        assert_eq!(crowding(&of(vec![0.06]), &margin), 0.0);
+        assert_eq!(crowding(&of(Vec::new()), &margin), 0.0);
+        assert_eq!(crowding(&of(near), &PersonMargin { share: 1.0, ..margin }), 0.0);
+    }
 }

@@ -1,11 +1,12 @@
-//! From a candidate to a path that may be walked: QP, robot, obstacles; or the reason why not.
+//! From a candidate to a path that can be simulated: QP, robot, obstacles; or the reason why not.
 
 use super::along::hand_motion;
 use super::near::{ArmAlong, Care};
 use super::objective::Figures;
 use super::preset::Preset;
-use super::refusal::{Refusal, RefusedBy};
-use super::result::{HandMotion, PathData, Status};
+use super::refusal::{Refusal, RefusedBy, Status};
+use super::result::{HandMotion, PathData};
+use crate::human::reach_ball;
 use crate::math::{Pose, Vec3};
 use crate::path::{
     Arm, Candidate, Change, Check, Family, Followed, NoAnswer, NoPath, Projection,
@@ -22,7 +23,7 @@ use crate::trajectory::TimedPath;
 /// Distance to obstacles below which a path is refused, m.
 const SMALLEST_CLEARANCE_M: f64 = 0.0;
 
-/// A path with everything that does not depend on people.
+/// A path with everything that does not depend on the worker.
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     pub id: String,
@@ -66,7 +67,7 @@ impl<'a> Workshop<'a> {
         let follow = FollowSettings { seed, obstacles, ..FollowSettings::default() };
         let thorough = FollowSettings { is_thorough: true, ..follow.clone() };
         let robot_starts = start_postures(&scenario.robot, &scenario.start, &follow);
-        let reaches = super::causes::reaches(scenario);
+        let reaches = reaches(scenario);
         Self { scenario, preset, follow, thorough, robot_starts, reaches }
     }
 
@@ -323,15 +324,15 @@ impl Prepared {
         self.status.refuse(self.is_users, Refusal::Worker { body, from_s });
     }
 
-    /// The arm along the path, to be compared with people; none without shapes or motion.
+    /// The arm along the path, to be compared with the worker; none without shapes or motion.
     pub(super) fn arm<'r>(&self, robot: &'r Robot, care: Care) -> Option<ArmAlong<'r>> {
         let steps = self.path.as_ref()?.time_s.len();
         let motion = self.robot.as_ref().filter(|m| m.q.len() == steps)?;
         ArmAlong::new(robot, &motion.q, care)
     }
 
-    /// Whether people may be sent along it.
-    pub(super) fn is_walkable(&self) -> bool {
+    /// Whether it can be simulated.
+    pub(super) fn is_feasible(&self) -> bool {
         self.path.is_some() && !matches!(self.status, Status::Infeasible { .. })
     }
 
@@ -400,4 +401,20 @@ fn seven(pose: &Pose) -> [f64; 7] {
     // One sign for each orientation, so that equal paths give equal bytes.
     let s = if q.w < 0.0 { -1.0 } else { 1.0 };
     [p.x, p.y, p.z, s * q.w, s * q.i, s * q.j, s * q.k]
+}
+
+/// Where each body's hand can be led: a ball about the shoulder, widened by the offset between the
+/// grip and the TCP, which the hand's turn may put anywhere.
+fn reaches(scenario: &Scenario) -> Vec<Reach> {
+    let w = &scenario.worker;
+    let of = |body: &crate::human::Body| {
+        let (center, radius) = reach_ball(body, w.side).ok()?;
+        let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
+        Some(Reach {
+            body: body.name.clone(),
+            center: (pelvis * nalgebra::Point3::from(center)).coords,
+            radius_m: radius + scenario.grip.translation.vector.norm(),
+        })
+    };
+    w.bodies.iter().filter_map(of).collect()
 }

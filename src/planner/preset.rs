@@ -1,4 +1,4 @@
-//! Planner presets: how many candidates and people, and what is made small. Owner of `planners/`.
+//! Planner presets: how many candidates and repetitions, and the objective. Owner of `planners/`.
 
 use crate::ergonomics::ScoringMethod;
 use crate::files::{InputError, parse_toml, read_text, suggest, toml_schema};
@@ -44,13 +44,13 @@ pub struct Preset {
     pub rollouts_first: usize,
     /// People that the best of a generation meet.
     pub rollouts_most: usize,
-    /// Paths that enter the selection on fresh people.
+    /// Paths that enter the selection on fresh repetitions.
     pub shortlist: usize,
     /// Of these, paths that are reported.
     pub reported: usize,
     /// People in the last round of the selection, and in the report.
     pub rollouts_final: usize,
-    /// What is made small.
+    /// Weights of the objective, which is minimised.
     pub objective: Objective,
 }
 

@@ -1,6 +1,5 @@
 //! Why a path is refused or marked, as facts; `words` puts them into English.
 
-use super::result::Status;
 use crate::path::{Change, Check, End, NoPath};
 use crate::robot::{JointMargin, LimitKind, NoMotion, Violation};
 use serde::{Deserialize, Serialize};
@@ -184,6 +183,24 @@ impl From<NoPath> for Refusal {
             why => Self::Path(why),
         }
     }
+}
+
+/// Whether a path can be used.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+pub enum Status {
+    /// All limits are kept.
+    Feasible,
+    /// The user's own path breaks a limit; it is scored all the same.
+    Marked {
+        /// One for each limit.
+        violations: Vec<Refusal>,
+    },
+    /// It cannot be used.
+    Infeasible {
+        /// Why.
+        refusal: Refusal,
+    },
 }
 
 impl Status {

@@ -2,9 +2,9 @@
 //!
 //! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
 
-use super::findings::Finding;
+use super::findings::{Figure, Finding};
 use super::preset::Preset;
-use super::refusal::{Hint, Refusal, RefusedGroup};
+use super::refusal::{Hint, RefusedGroup, Status};
 use super::scene::Scene;
 use crate::ergonomics::{
     ActionLevelShare, PairedDifference, PerMethod, ScoreDistribution, ScoringMethod,
@@ -37,7 +37,7 @@ pub struct RunResult {
     pub verdict: Verdict,
     /// All paths: ranked first, then those that are not feasible.
     pub candidates: Vec<CandidateResult>,
-    /// The best path against others, on the same people.
+    /// The best path against others, on the same repetitions.
     pub comparisons: Vec<Comparison>,
     /// Inputs of the scores and where they come from.
     pub inputs: Vec<InputOrigin>,
@@ -59,7 +59,7 @@ pub struct RunResult {
     pub planner: Preset,
     /// What was searched.
     pub search: Vec<SearchSummary>,
-    /// The cell, the robot and the people over time, to be looked at.
+    /// The cell, the robot and the worker over time, to be looked at.
     pub scene: Scene,
     /// The sampled postures themselves, on request; written to files of their own.
     #[serde(skip)]
@@ -245,34 +245,27 @@ pub enum Price {
     PerMetre,
 }
 
-/// Whether a path can be used.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "state", rename_all = "kebab-case")]
-pub enum Status {
-    /// All limits are kept.
-    Feasible,
-    /// The user's own path breaks a limit; it is scored all the same.
-    Marked {
-        /// One for each limit.
-        violations: Vec<Refusal>,
-    },
-    /// It cannot be used.
-    Infeasible {
-        /// Why.
-        refusal: Refusal,
-    },
-}
-
 /// How far a path came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evaluated {
     /// Refused before any rollout.
     None,
-    /// Scored in the search only: few people, and the figures that chose it.
+    /// Scored in the search only: few repetitions, and the figures that chose it.
     Search,
     /// Scored on the reported block.
     Reported,
+}
+
+impl Figure {
+    /// The figure of one body.
+    pub fn of(self, scores: &MethodScores) -> f64 {
+        match self {
+            Self::Expected => scores.distribution.expected,
+            Self::High => scores.high_band[0],
+            Self::Peak => scores.peak,
+        }
+    }
 }
 
 /// Scores of one body along one path.
@@ -749,7 +742,7 @@ pub enum MomentKind {
     Hardest,
 }
 
-/// Changes that were tried on the best path, its body of the verdict and the same people.
+/// Changes that were tried on the best path, its body of the verdict and the same repetitions.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Recommendations {
     /// Number of changes that were tried.

@@ -1,4 +1,4 @@
-//! The moving scene of a run: the cell, the robot and the people over time, small enough for a page.
+//! The moving scene of a run: the cell, the robot and the worker over time, small enough for a page.
 
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
@@ -66,7 +66,7 @@ pub enum SceneShape {
     },
 }
 
-/// Robot and people along one path.
+/// Robot and worker along one path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneMotion {
     /// Id of the path.
@@ -88,7 +88,7 @@ pub struct SceneRobot {
     pub track: Track,
 }
 
-/// The people of one body size along one path.
+/// The repetitions of one body size along one path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScenePeople {
     /// Name of the body.

@@ -7,24 +7,18 @@
 //! peak         P_r = 95th percentile over t
 //! ```
 
-use super::evaluate::Walks;
+use super::repetitions::{Repetition, Repetitions};
 use super::result::{MethodScores, PartScore};
 use crate::ergonomics::{
     P_AT_LEAST_S, PerMethod, RebaSteps, RulaSteps, ScoringMethod, exposure_by_rollout,
     score_distribution, time_means,
 };
-use crate::math::Pose;
 use crate::math::stats::{mean, quantile};
 use crate::survey::{Lens, PostureAngles};
 use rayon::prelude::*;
 
 /// Quantile over time that counts as a repetition's peak.
 const PEAK: f64 = 0.95;
-/// Share of hand travel of a sample below which a path has no length to speak of, m.
-const SHORTEST_M: f64 = 1e-6;
-/// Length by which a rotation of the hand counts as travel, m/rad.
-const ROTATION_LENGTH_M: f64 = 0.3;
-
 /// Figures by one method, one entry for each repetition.
 #[derive(Debug, Clone, Default)]
 pub struct MethodFigures {
@@ -51,22 +45,6 @@ impl MethodFigures {
     }
 }
 
-/// Each sample's share of the hand travel of a path of grip poses (sums to 1): half of the way before
-/// it and half of that after it. Of a hand that does not move, alike for all.
-pub(super) fn travel_shares(hand: &[Pose]) -> Vec<f64> {
-    let step = |w: &[Pose]| {
-        let moved = (w[1].translation.vector - w[0].translation.vector).norm();
-        moved.hypot(ROTATION_LENGTH_M * w[0].rotation.angle_to(&w[1].rotation))
-    };
-    let steps: Vec<f64> = hand.windows(2).map(step).collect();
-    let whole: f64 = steps.iter().sum();
-    if whole < SHORTEST_M {
-        return vec![1.0 / hand.len() as f64; hand.len()];
-    }
-    let at = |k: usize| steps.get(k).copied().unwrap_or(0.0);
-    (0..hand.len()).map(|k| 0.5 * (if k > 0 { at(k - 1) } else { 0.0 } + at(k)) / whole).collect()
-}
-
 /// Scores of every repetition at every sample; the worst there is once the reach is exceeded.
 pub(super) struct Scored<'a> {
     by_method: PerMethod<Vec<Vec<u8>>>,
@@ -75,13 +53,13 @@ pub(super) struct Scored<'a> {
 }
 
 impl<'a> Scored<'a> {
-    pub(super) fn of(walks: &'a Walks, lens: &Lens) -> Self {
-        Self::from_sheets(walks, &Sheets::of(walks, |a| a.score(lens)))
+    pub(super) fn of(repetitions: &'a Repetitions, lens: &Lens) -> Self {
+        Self::from_sheets(repetitions, &Sheets::of(repetitions, |a| a.score(lens)))
     }
 
-    pub(super) fn from_sheets(walks: &'a Walks, sheets: &Sheets) -> Self {
+    pub(super) fn from_sheets(repetitions: &'a Repetitions, sheets: &Sheets) -> Self {
         let by_method = PerMethod::of(|m| sheets.totals(m));
-        Self { by_method, dt: walks.dt, travel: &walks.travel }
+        Self { by_method, dt: repetitions.dt, travel: &repetitions.travel }
     }
 
     /// By one method.
@@ -135,15 +113,15 @@ pub(super) struct Sheets(Vec<Vec<Option<(RulaSteps, RebaSteps)>>>);
 
 impl Sheets {
     pub(super) fn of(
-        walks: &Walks,
+        repetitions: &Repetitions,
         score: impl Fn(&PostureAngles) -> (RulaSteps, RebaSteps) + Sync,
     ) -> Self {
-        let one = |w: &super::evaluate::Walk| {
+        let one = |w: &Repetition| {
             let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
             let scored = |(k, a): (usize, &PostureAngles)| (k < end).then(|| score(a));
             w.angles.iter().enumerate().map(scored).collect()
         };
-        Self(walks.all.par_iter().map(one).collect())
+        Self(repetitions.all.par_iter().map(one).collect())
     }
 
     fn each<T>(&self, of: impl Fn(Option<&(RulaSteps, RebaSteps)>) -> T) -> Vec<Vec<T>> {
@@ -173,7 +151,9 @@ impl Sheets {
 
 #[cfg(test)]
 mod tests {
+    use super::super::repetitions::travel_shares;
     use super::*;
+    use crate::math::Pose;
 
     #[test]
     fn the_mean_over_travel_does_not_know_the_timing() {
@@ -195,14 +175,5 @@ mod tests {
             assert_eq!(slow, resting > 1, "{}", figures.time_mean[0]);
             assert_eq!((figures.peak[0], figures.lasts_high[0]), (6.0, 1.0));
         }
-    }
-
-    #[test]
-    fn a_hand_that_only_turns_travels_too() {
-        let turned = |a: f64| Pose::rotation(crate::math::Vec3::z() * a);
-        let shares = travel_shares(&[turned(0.0), turned(0.1), turned(0.4)]);
-        assert!((shares[0] - 0.125).abs() < 1e-12 && (shares[2] - 0.375).abs() < 1e-12);
-        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert_eq!(travel_shares(&[turned(0.0); 4]), [0.25; 4]);
     }
 }

@@ -2,15 +2,15 @@
 //! none, and ours last, which starts from the best of those before it: several searches from different
 //! starts rarely miss the same basin.
 
-use super::pipeline::{Environment, PlanError, Request};
-use super::resume::Checkpoint;
-use super::search::{Gauge, SearchState, Task, search};
-use super::space::Space;
+use super::environment::Environment;
+use super::request::{Checkpoint, PlanError, Request};
+use super::search::{Gauge, Task, search};
+use super::space::{Space, WITHOUT, held};
+use super::tried::SearchState;
 use crate::posture::PostureLaw;
-use crate::scenario::Freedoms;
 use nalgebra::DMatrix;
 
-/// First block of people of each search; generations take the following ones.
+/// First block of repetitions of each search; generations take the following ones.
 const FIRST_BLOCK: u32 = 16;
 const BLOCKS_PER_SEARCH: u32 = 4096;
 
@@ -25,11 +25,6 @@ pub(super) const OURS: &str = "search";
 pub(super) const RANDOM: &str = "random";
 pub(super) const PLAIN: &str = "single posture, plain";
 pub(super) const LEARNED: &str = "single posture, learned";
-/// How the search without a freedom is called, and what it is followed by when several are free and
-/// none is used.
-pub(super) const WITHOUT: &str = "without ";
-pub(super) const ANY_FREEDOM: &str = "any freedom";
-
 /// The straight path with its timing chosen by the same search; where the timing is free.
 pub(super) const RETIMED: &str = "straight, retimed";
 
@@ -102,12 +97,13 @@ fn tasks<'a>(
     plain: &'a PostureLaw,
 ) -> Vec<(String, Task<'a>)> {
     let preset = environment.preset;
-    let people = Gauge::People { first: preset.rollouts_first, most: preset.rollouts_most };
+    let repetitions =
+        Gauge::Repetitions { first: preset.rollouts_first, most: preset.rollouts_most };
     let ours = Task {
         name: "searching",
         prefix: "s".to_owned(),
         space: space.clone(),
-        gauge: people,
+        gauge: repetitions,
         population: preset.population,
         generations: preset.generations,
         runs: preset.runs,
@@ -127,7 +123,7 @@ fn tasks<'a>(
     };
     let learned = &environment.scenario.worker.model.law;
     let mut all = vec![
-        (RANDOM.to_owned(), baseline("r", people, false, 1)),
+        (RANDOM.to_owned(), baseline("r", repetitions, false, 1)),
         (PLAIN.to_owned(), baseline("p", Gauge::Sure(plain), true, 2)),
         (LEARNED.to_owned(), baseline("m", Gauge::Sure(learned), true, 3)),
     ];
@@ -152,15 +148,6 @@ fn tasks<'a>(
     }
     all.push((OURS.to_owned(), ours));
     all
-}
-
-/// What a search goes without: each freedom, and all of them where there are several.
-pub(super) fn held(free: &Freedoms) -> Vec<&'static str> {
-    let mut names = free.names();
-    if names.len() > 1 {
-        names.push(ANY_FREEDOM);
-    }
-    names
 }
 
 /// The plain pseudo-inverse: every joint alike, no pull, no chance.

@@ -6,11 +6,10 @@
 //! white, and no bound is ever broken.
 
 use super::preset::Preset;
-use super::searches::ANY_FREEDOM;
 use crate::math::stats::{normal_cdf, normal_quantile};
 use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, Family, Pace, ViaSpace};
-use crate::scenario::{Chosen, Freedom, Scenario, TIMING, TURN_ON_THE_WAY, Variant};
+use crate::scenario::{Chosen, Freedom, Freedoms, Scenario, TIMING, TURN_ON_THE_WAY, Variant};
 
 /// Height of the elbow over the floor, as a share of stature, in the expert's arc.
 const ELBOW_HEIGHT: f64 = 0.63;
@@ -21,6 +20,11 @@ const FARTHEST: f64 = 2.0;
 
 /// A bend that is none, m: what `sampled_offset_m = 0` becomes.
 const STRAIGHT_M: f64 = 1e-6;
+
+/// How the search without a freedom is called, and what it is followed by when several are free and
+/// none is used.
+pub(super) const WITHOUT: &str = "without ";
+pub(super) const ANY_FREEDOM: &str = "any freedom";
 
 /// A path with everything that was chosen for it.
 #[derive(Debug, Clone)]
@@ -237,6 +241,15 @@ impl<'a> Space<'a> {
         Vec3::z() * (mean - middle)
             + toward_body(self.scenario, &self.scenario.nominal()) * EXPERT_PULL_M
     }
+}
+
+/// What a search goes without: each freedom, and all of them where there are several.
+pub(super) fn held(free: &Freedoms) -> Vec<&'static str> {
+    let mut names = free.names();
+    if names.len() > 1 {
+        names.push(ANY_FREEDOM);
+    }
+    names
 }
 
 /// Horizontal direction from the middle of the task to the worker, of unit length.

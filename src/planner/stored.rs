@@ -1,6 +1,6 @@
 //! A finished run read back from its `result.json`, and whether its inputs are still the same.
 
-use super::pipeline::inputs_of;
+use super::request::inputs_of;
 use super::result::{RESULT_SCHEMA, RunResult};
 use crate::files::{InputError, read_bytes, read_text, refuse_incomplete, sha256_hex};
 use crate::robot::JointTrajectory;

@@ -4,11 +4,12 @@
 use super::along::timing_difference;
 use super::causes::nothing_feasible;
 use super::findings::{Figure, Finding, Severity, Subject, Why};
+use super::refusal::Status;
 use super::result::{
     BodyScores, CandidateResult, Caveat, Comparison, Decision, Difference, Evaluated, Gain,
-    GainParts, InputOrigin, ScoreInput, Status, Verdict,
+    GainParts, InputOrigin, ScoreInput, Verdict,
 };
-use super::searches::{ANY_FREEDOM, WITHOUT, held};
+use super::space::{ANY_FREEDOM, WITHOUT, held};
 use super::timing::lingering;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod, paired_difference};
 use crate::path::Family;

@@ -199,7 +199,7 @@ fn null_projector(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::identity(n, n) - pinv * jacobian)
 }
 
-/// How people differ in rollouts.
+/// How repetitions differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sampling {
@@ -210,7 +210,7 @@ pub enum Sampling {
     Independent,
 }
 
-/// Draws people from a law.
+/// Draws repetitions from a law.
 #[derive(Debug, Clone)]
 pub struct Sampler<'a> {
     law: &'a PostureLaw,
@@ -218,9 +218,9 @@ pub struct Sampler<'a> {
     sampling: Sampling,
 }
 
-/// One sampled person.
+/// What is drawn for one repetition.
 #[derive(Debug, Clone)]
-pub struct Person<'a> {
+pub struct Draw<'a> {
     noise: NoisePath,
     drift: Option<DriftPath>,
     functions: Arc<[FunctionDraw]>,
@@ -245,13 +245,13 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// One person for a movement along a path.
-    pub fn person(
+    /// What is drawn for one repetition along a path.
+    pub fn draw_with(
         &self,
         functions: Arc<[FunctionDraw]>,
         rng: &mut ChaCha8Rng,
         path: &HandPath,
-    ) -> Person<'_> {
+    ) -> Draw<'_> {
         let (count, dt) = path.noise_grid();
         let (noise, posteriors) = match self.sampling {
             Sampling::Pathwise => (self.law.noise.path(rng, count, dt), None),
@@ -260,23 +260,23 @@ impl<'a> Sampler<'a> {
             }
         };
         let drift = self.law.noise.drift(rng);
-        Person { noise, drift, functions, posteriors }
+        Draw { noise, drift, functions, posteriors }
     }
 
-    /// One person with a function of their own.
-    pub fn draw(&self, rng: &mut ChaCha8Rng, path: &HandPath) -> Person<'_> {
+    /// The same with functions of its own.
+    pub fn draw(&self, rng: &mut ChaCha8Rng, path: &HandPath) -> Draw<'_> {
         let functions = self.functions(rng);
-        self.person(functions, rng, path)
+        self.draw_with(functions, rng, path)
     }
 }
 
-impl Person<'_> {
-    /// How far this person's posture has drifted in true time, n, rad.
+impl Draw<'_> {
+    /// How far the posture has drifted in true time, n, rad.
     pub(super) fn drifted(&self, time_s: f64) -> Option<DVector<f64>> {
         self.drift.as_ref().map(|d| d.at(time_s))
     }
 
-    /// Preferred velocity of this person without the pull, n, rad/s of the clock: part of the way from
+    /// Preferred velocity in this repetition without the pull, n, rad/s of the clock: part of the way from
     /// place `index` of the noise to the next.
     pub(super) fn preferred(
         &self,

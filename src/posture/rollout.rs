@@ -1,4 +1,4 @@
-//! Closed-loop rollouts: the posture that follows a hand path, one sampled person at a time.
+//! Closed-loop rollouts: the posture that follows a hand path, one repetition at a time.
 //!
 //! ```text
 //! dx   = x_d(next) - f(q)                closed on the path (paper, section V-C)
@@ -7,12 +7,12 @@
 //! ```
 //! h is the time of a step by the clock of the law ([`HandPath`] lays the steps out). By the hand's own
 //! clock a posture depends on how far the hand has come and not on when: samples are read off between
-//! two steps, and there the person's drift in true time comes on top, in the null space.
+//! two steps, and there the drift in true time comes on top, in the null space.
 //! All poses are of the grip in the pelvis frame.
 
 use super::coupling::{Coupling, Observation};
 use super::hand_path::{HandPath, Knot};
-use super::law::{Person, PostureLaw, Query};
+use super::law::{Draw, PostureLaw, Query};
 use super::start::Start;
 use super::step::{ReachExceeded, StepSolver};
 use crate::kinematics::Frames;
@@ -26,7 +26,7 @@ const END_BEYOND_M: f64 = 1e-3;
 /// Largest change of a joint in one step, rad; more means the arm is about to lose the path.
 const LARGEST_JOINT_STEP: f64 = 0.6;
 
-/// One sampled person along one path.
+/// One repetition of one person along one path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rollout {
     /// Joint angles at every path sample, T+1 of n, rad. After the reach is exceeded the last
@@ -42,13 +42,13 @@ pub struct Rollout {
     pub max_residual_rad: f64,
 }
 
-/// Walks one person along a path; without a person, the law's mean.
+/// One repetition along a path; without a draw, the law's mean.
 pub fn roll_out(
     coupling: &Coupling,
     law: &PostureLaw,
     path: &HandPath,
     start: &Start,
-    person: Option<&Person>,
+    draw: Option<&Draw>,
 ) -> Rollout {
     let mut seen = Seen::new(path, coupling.hold().linear_rows());
     let Some(first) = &start.q else {
@@ -56,11 +56,11 @@ pub fn roll_out(
     };
     let mut frames = Frames::default();
     let here = coupling.observe(first, &mut frames);
-    let mut walk = Walk {
+    let mut state = State {
         coupling,
         law,
         path,
-        person,
+        draw,
         solver: StepSolver::new(law.weight.clone()),
         aside: here.clone(),
         seen: here,
@@ -70,12 +70,12 @@ pub fn roll_out(
         error: DVector::zeros(coupling.hold().rows()),
     };
     // Samples before the hand has moved, then those of each step.
-    let mut lost = seen.read(&mut walk, 0, true).is_err();
+    let mut lost = seen.read(&mut state, 0, true).is_err();
     for step in 0..path.knots().len() - 1 {
         if lost {
             break;
         }
-        lost = walk.advance(step).and_then(|()| seen.read(&mut walk, step, false)).is_err();
+        lost = state.advance(step).and_then(|()| seen.read(&mut state, step, false)).is_err();
     }
     let exceeded_at = lost.then_some(seen.q.len());
     seen.finish(first, exceeded_at)
@@ -98,12 +98,12 @@ impl<'a> Seen<'a> {
     }
 
     /// Reads off the samples of a step, or those before it.
-    fn read(&mut self, walk: &mut Walk, step: usize, before: bool) -> Result<(), ReachExceeded> {
+    fn read(&mut self, state: &mut State, step: usize, before: bool) -> Result<(), ReachExceeded> {
         while let Some((own, part)) = self.path.place(self.q.len()) {
             if own != step || (before && part > 0.0) {
                 break;
             }
-            let (q, error) = walk.sample(self.q.len(), part)?;
+            let (q, error) = state.sample(self.q.len(), part)?;
             let metres = error.rows(0, self.linear).norm();
             self.max_m = self.max_m.max(metres);
             self.sum_sq += metres * metres;
@@ -127,11 +127,11 @@ impl<'a> Seen<'a> {
     }
 }
 
-struct Walk<'a> {
+struct State<'a> {
     coupling: &'a Coupling,
     law: &'a PostureLaw,
     path: &'a HandPath,
-    person: Option<&'a Person<'a>>,
+    draw: Option<&'a Draw<'a>>,
     solver: StepSolver,
     frames: Frames,
     /// At the knots before and after the step.
@@ -144,7 +144,7 @@ struct Walk<'a> {
     aside: Observation,
 }
 
-impl Walk<'_> {
+impl State<'_> {
     /// Steps from one knot to the next.
     fn advance(&mut self, step: usize) -> Result<(), ReachExceeded> {
         let [a, b] = [&self.path.knots()[step], &self.path.knots()[step + 1]];
@@ -174,8 +174,8 @@ impl Walk<'_> {
         // The path's own velocity: the hand's may differ in what the robot does not prescribe.
         let twist = self.law_twist(&(pose_error(&a.target, &b.target) / h));
         let at = Query { q: &self.q, xdot: &twist, jacobian: &self.seen.jacobian, phase: a.phase };
-        let mut wish = match self.person {
-            Some(person) => person.preferred(self.law, &at, a.noise),
+        let mut wish = match self.draw {
+            Some(draw) => draw.preferred(self.law, &at, a.noise),
             None => self.law.preferred(at.q, at.xdot),
         };
         if let Some(mean) = primitive {
@@ -194,7 +194,7 @@ impl Walk<'_> {
         index: usize,
         part: f64,
     ) -> Result<(DVector<f64>, DVector<f64>), ReachExceeded> {
-        let drift = self.person.and_then(|p| p.drifted(self.path.time_s(index)));
+        let drift = self.draw.and_then(|d| d.drifted(self.path.time_s(index)));
         let is_knot = part == 1.0 || self.path.knots().len() < 2;
         let mut q = if is_knot { self.q.clone() } else { self.before.lerp(&self.q, part) };
         if index == 0 || (is_knot && drift.is_none()) {

@@ -1,7 +1,7 @@
 //! House law: imports between modules run downward only, and every file says what it is for.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -98,12 +98,15 @@ fn absolute(path: &[String], at: &[String]) -> Option<Vec<String>> {
 struct Reach {
     at: Vec<String>,
     modules: BTreeSet<String>,
+    /// Files of the own module, outside of tests.
+    neighbours: BTreeSet<String>,
     faults: Vec<String>,
 }
 
 impl Reach {
     fn of(text: &str, at: &[String]) -> Self {
-        let mut reach = Self { at: at.to_vec(), modules: BTreeSet::new(), faults: Vec::new() };
+        let (modules, neighbours) = (BTreeSet::new(), BTreeSet::new());
+        let mut reach = Self { at: at.to_vec(), modules, neighbours, faults: Vec::new() };
         let tokens: TokenStream = text.parse().unwrap_or_else(|e| panic!("{at:?}: {e}"));
         reach.walk(tokens);
         reach
@@ -147,7 +150,13 @@ impl Reach {
             let shown = path.join("::");
             match absolute(&path, &self.at).as_deref() {
                 Some([]) => self.faults.push(format!("`{shown}` is the whole crate")),
-                Some([module, ..]) => drop(self.modules.insert(module.clone())),
+                Some([module, rest @ ..]) => {
+                    let is_test = self.at.iter().any(|m| m == "tests");
+                    if *module == self.at[0] && !is_test {
+                        self.neighbours.extend(rest.first().cloned());
+                    }
+                    self.modules.insert(module.clone());
+                }
                 None => self.faults.push(format!("`{shown}` leaves the crate")),
             }
         }
@@ -191,6 +200,56 @@ fn imports_run_downward_only() {
         found.extend(faults(&shown, &fs::read_to_string(&file).unwrap()));
     }
     assert!(found.is_empty(), "\n{}", found.join("\n"));
+}
+
+/// A circle among names that each reach others, from a name back to itself; none where there is none.
+fn circle(reach: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
+    fn back(
+        reach: &BTreeMap<String, BTreeSet<String>>,
+        way: &mut Vec<String>,
+        done: &mut BTreeSet<String>,
+    ) -> bool {
+        let here = way[way.len() - 1].clone();
+        for next in reach.get(&here).into_iter().flatten().filter(|n| **n != here) {
+            if let Some(at) = way.iter().position(|w| w == next) {
+                way.drain(..at);
+                way.push(next.clone());
+                return true;
+            }
+            way.push(next.clone());
+            if !done.contains(next) && back(reach, way, done) {
+                return true;
+            }
+            way.pop();
+        }
+        done.insert(here);
+        false
+    }
+    let mut done = BTreeSet::new();
+    reach.keys().find_map(|start| {
+        let mut way = vec![start.clone()];
+        back(reach, &mut way, &mut done).then_some(way)
+    })
+}
+
+#[test]
+fn files_of_the_planner_import_in_no_circle() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/planner");
+    let of = |file: &PathBuf| {
+        let name = file.file_stem().unwrap().to_str().unwrap().to_owned();
+        let at = ["planner".to_owned(), name.clone()];
+        let reach = Reach::of(&fs::read_to_string(file).unwrap(), &at);
+        (name, reach.neighbours)
+    };
+    let reach: BTreeMap<_, _> = source_files(&folder).iter().map(of).collect();
+    assert!(reach["pipeline"].contains("reporting") && reach["search"].contains("environment"));
+    assert_eq!(circle(&reach), None);
+    // A circle is seen.
+    let of = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<BTreeSet<_>>();
+    let mut small = BTreeMap::from([("a".to_owned(), of(&["b"])), ("b".to_owned(), of(&["c"]))]);
+    assert_eq!(circle(&small), None);
+    small.insert("c".to_owned(), of(&["c", "b"]));
+    assert_eq!(circle(&small).unwrap(), ["b", "c", "b"]);
 }
 
 #[test]

@@ -174,13 +174,14 @@ fn between_random(robot: &Robot, number: u32) -> (Vec<f64>, Vec<Pose>) {
     ((0..=100).map(|k| 0.08 * f64::from(k)).collect(), (0..=100).map(at).collect())
 }
 
+type Is<'a> = &'a dyn Fn(&NoMotion) -> bool;
+
 #[test]
 fn the_global_choice_succeeds_where_tracking_from_every_start_fails() {
     // Over the joints' speed, through the arm itself, and past a limit.
     let accelerates = |why: &NoMotion| matches!(why, NoMotion::OverLimit { violation, .. } if violation.kind == LimitKind::Acceleration);
     let touches = |why: &NoMotion| matches!(why, NoMotion::TouchesItself { .. });
     let jumps = |why: &NoMotion| matches!(why, NoMotion::Jump { .. });
-    type Is<'a> = &'a dyn Fn(&NoMotion) -> bool;
     let cases: [(&str, u32, Is); 3] =
         [("panda", 1, &accelerates), ("panda", 22, &touches), ("fr3", 3, &jumps)];
     for (name, number, is_so) in cases {

@@ -1,14 +1,14 @@
-//! What an interrupted run keeps, so that it can go on where it stood.
+//! What is asked of a run, where it stands, and what it keeps when it is interrupted.
 
-use super::pipeline::{PlanError, Request, inputs_of};
 use super::preset::Preset;
-use super::search::SearchState;
+use super::tried::SearchState;
 use crate::files::{InputError, read_text};
 use crate::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use thiserror::Error;
 
-const SCHEMA: &str = "ergopath/unfinished/1";
+const SCHEMA: &str = "ergopath/unfinished/2";
 
 /// An interrupted run: its inputs, and every search as far as it came.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,4 +82,55 @@ impl Checkpoint {
             }
         }
     }
+}
+
+/// What to run.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// The canonical command, for the record.
+    pub command: String,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// The planner's settings.
+    pub preset: Preset,
+    /// Keep the sampled postures of the reported paths.
+    pub keeps_rollouts: bool,
+    /// A run that was interrupted, to go on with.
+    pub resume: Option<Checkpoint>,
+}
+
+/// Where a run stands.
+#[derive(Debug, Clone, Copy)]
+pub struct Step {
+    /// What is being done.
+    pub stage: &'static str,
+    /// Items done.
+    pub done: usize,
+    /// Items in all.
+    pub total: usize,
+    /// The best objective so far, in a search.
+    pub best: Option<f64>,
+}
+
+/// Told where a run stands; answers whether to go on.
+pub type Stage<'a> = &'a (dyn Fn(Step) -> bool + Sync);
+
+/// Why a run could not be made at all. A run whose paths are all infeasible is a result, not an error.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// The input does not fit together.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The user interrupted; with what it takes to go on.
+    #[error("interrupted; nothing was written")]
+    Interrupted(Option<Box<Checkpoint>>),
+}
+
+/// (name, SHA-256) of every input of a run.
+pub(super) fn inputs_of(scenario: &Scenario) -> Vec<(String, String)> {
+    let mut inputs = vec![(scenario.file.clone(), scenario.sha256.clone())];
+    inputs.push((scenario.worker.model.name.clone(), scenario.worker.model_sha256.clone()));
+    inputs.extend(scenario.worker.bodies.iter().map(|b| (b.name.clone(), b.sha256())));
+    inputs.extend(scenario.paths.iter().map(|p| (p.name.clone(), p.sha256.clone())));
+    inputs
 }

@@ -1,0 +1,78 @@
+//! Repetitions of one body along one path, with the angles of every frame.
+
+use crate::math::Pose;
+use crate::posture::{Repeated, Rollout, Start};
+use crate::survey::{PostureAngles, Surveyor};
+use rayon::prelude::*;
+
+/// Length by which a rotation of the hand counts as travel, m/rad.
+const ROTATION_LENGTH_M: f64 = 0.3;
+/// Hand travel below which a path has no length to speak of, m.
+const SHORTEST_M: f64 = 1e-6;
+
+/// One repetition of one body.
+pub(super) struct Repetition {
+    pub rollout: Rollout,
+    pub angles: Vec<PostureAngles>,
+    pub start: Start,
+}
+
+/// One body measured along one path.
+pub(super) struct Repetitions {
+    pub all: Vec<Repetition>,
+    /// Interval of the samples, s.
+    pub dt: f64,
+    /// Each sample's share of the hand travel.
+    pub travel: Vec<f64>,
+    pub extrapolation_share: f64,
+}
+
+impl Repetitions {
+    /// What was repeated from some starts, along times (s) and as many grip poses.
+    pub(super) fn measured(
+        surveyor: &Surveyor,
+        repeated: Repeated,
+        starts: Vec<Start>,
+        (time_s, hand): (&[f64], &[Pose]),
+    ) -> Self {
+        let one = |(rollout, start): (Rollout, Start)| {
+            let angles = rollout.q.iter().map(|q| surveyor.measure(q)).collect();
+            Repetition { rollout, angles, start }
+        };
+        let all = repeated.rollouts.into_par_iter().zip(starts).map(one).collect();
+        let intervals = time_s.len().saturating_sub(1).max(1) as f64;
+        let dt = (time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0)) / intervals;
+        let extrapolation_share = repeated.extrapolation_share;
+        Self { all, dt, travel: travel_shares(hand), extrapolation_share }
+    }
+}
+
+/// Each sample's share of the hand travel of a path of grip poses (sums to 1): half of the way before
+/// it and half of that after it. Of a hand that does not move, alike for all.
+pub(super) fn travel_shares(hand: &[Pose]) -> Vec<f64> {
+    let step = |w: &[Pose]| {
+        let moved = (w[1].translation.vector - w[0].translation.vector).norm();
+        moved.hypot(ROTATION_LENGTH_M * w[0].rotation.angle_to(&w[1].rotation))
+    };
+    let steps: Vec<f64> = hand.windows(2).map(step).collect();
+    let whole: f64 = steps.iter().sum();
+    if whole < SHORTEST_M {
+        return vec![1.0 / hand.len() as f64; hand.len()];
+    }
+    let at = |k: usize| steps.get(k).copied().unwrap_or(0.0);
+    (0..hand.len()).map(|k| 0.5 * (if k > 0 { at(k - 1) } else { 0.0 } + at(k)) / whole).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_that_only_turns_travels_too() {
+        let turned = |a: f64| Pose::rotation(crate::math::Vec3::z() * a);
+        let shares = travel_shares(&[turned(0.0), turned(0.1), turned(0.4)]);
+        assert!((shares[0] - 0.125).abs() < 1e-12 && (shares[2] - 0.375).abs() < 1e-12);
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert_eq!(travel_shares(&[turned(0.0); 4]), [0.25; 4]);
+    }
+}

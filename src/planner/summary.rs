@@ -1,0 +1,109 @@
+//! What the report shows of one body along a path.
+
+use super::repetitions::{Repetition, Repetitions};
+use super::result::{BodyScores, PartScore};
+use super::scored::{Scored, Sheets};
+use crate::ergonomics::{
+    P_AT_LEAST_S, PerMethod, RulaSteps, ScoringMethod, StepShare, THRESHOLD_MOVE_DEG,
+    ThresholdSensitivity, ThresholdShift, reba, reba_step_shares, rula, rula_step_courses,
+    rula_step_shares, score_distribution, threshold_sensitivity,
+};
+use crate::math::stats::mean;
+use crate::posture::Rollout;
+use crate::scenario::OtherArm;
+use crate::survey::{Lens, PostureAngles};
+
+impl Repetitions {
+    /// Expected scores under a lens.
+    pub(super) fn expected(&self, lens: &Lens) -> PerMethod<f64> {
+        Sheets::of(self, |a| a.score(lens)).expected()
+    }
+
+    /// Expected scores with the angle thresholds moved.
+    pub(super) fn sensitivity(&self, lens: &Lens) -> ThresholdSensitivity {
+        let task = &lens.task;
+        threshold_sensitivity(THRESHOLD_MOVE_DEG, |shift: &ThresholdShift| {
+            let scored = |a: &PostureAngles| {
+                let sheet = shift.worksheet(a.trunk_neck(lens.neck), &a.arm, task, &lens.profile);
+                (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
+            };
+            Sheets::of(self, scored).expected()
+        })
+    }
+
+    /// Everything the report shows of one body.
+    pub(super) fn summary(
+        &self,
+        body: &str,
+        lens: &Lens,
+        other_arm: OtherArm,
+    ) -> Option<BodyScores> {
+        let sheets = Sheets::of(self, |a| a.score(lens));
+        let scored = Scored::from_sheets(self, &sheets);
+        let scores = PerMethod::all(|m| {
+            let parts = match m {
+                ScoringMethod::Rula => rula_parts(&sheets.rula_steps(), lens),
+                ScoringMethod::Reba => parts(&reba_step_shares(&sheets.reba_steps())),
+            };
+            scored.report(m, parts)
+        })?;
+        let exceeded: Vec<usize> =
+            self.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
+        let count = self.all.len() as f64;
+        let of = |f: fn(&Rollout) -> f64| -> Vec<f64> {
+            self.all.iter().map(|w| f(&w.rollout)).collect()
+        };
+        let largest = |v: Vec<f64>| v.into_iter().fold(0.0, f64::max);
+        let squares: Vec<f64> = of(|r| r.rms_residual_m.powi(2));
+        let starts: Vec<f64> =
+            self.all.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
+        Some(BodyScores {
+            body: body.to_owned(),
+            objective: 0.0,
+            person_clearance: None,
+            rollouts: self.all.len(),
+            scores,
+            other_side_rula: match other_arm {
+                OtherArm::Unknown => None,
+                OtherArm::Hanging => score_distribution(
+                    &self.other_scores(lens),
+                    self.dt,
+                    ScoringMethod::Rula.worst(),
+                    P_AT_LEAST_S,
+                ),
+            },
+            reach_exceeded: exceeded.len() as f64 / count,
+            reach_exceeded_from_s: exceeded.iter().min().map(|&k| k as f64 * self.dt),
+            hand_residual_max_mm: 1e3 * largest(of(|r| r.max_residual_m)),
+            hand_residual_rms_mm: 1e3 * mean(&squares).sqrt(),
+            hand_residual_max_deg: largest(of(|r| r.max_residual_rad)).to_degrees(),
+            extrapolation_share: self.extrapolation_share,
+            unusual_starts: self.all.iter().filter(|w| w.start.is_unusual).count() as f64 / count,
+            start_distance: if starts.is_empty() { 0.0 } else { mean(&starts) },
+        })
+    }
+
+    fn other_scores(&self, lens: &Lens) -> Vec<Vec<u8>> {
+        let score = |w: &Repetition| w.angles.iter().map(|a| a.other_rula(lens).grand).collect();
+        self.all.iter().map(score).collect()
+    }
+}
+
+fn rula_parts(steps: &[Vec<Option<RulaSteps>>], lens: &Lens) -> Vec<PartScore> {
+    let shares = parts(&rula_step_shares(steps, lens.profile.rula_table_a));
+    let rounded = |course: Vec<f64>| course.iter().map(|v| (1e3 * v).round() / 1e3).collect();
+    let with = |(part, course)| PartScore { over_time: rounded(course), ..part };
+    shares.into_iter().zip(rula_step_courses(steps)).map(with).collect()
+}
+
+fn parts(shares: &[StepShare]) -> Vec<PartScore> {
+    let part = |s: &StepShare| PartScore {
+        part: s.step.into(),
+        mean: s.mean,
+        drives: s.drop,
+        drives_se: s.drop_se,
+        drives_share: s.drives_share,
+        over_time: Vec::new(),
+    };
+    shares.iter().map(part).collect()
+}
