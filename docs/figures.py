@@ -3,19 +3,20 @@
 
     python3 docs/figures.py [BINARY] [GROUP ...]
 
-BINARY is the release binary (`target/release/ergopath`). Without groups all of them run, some hours of
-nothing to do on a slow machine; those that need recordings are skipped, aloud, where `../shared` is absent.
+BINARY is the release binary (`target/release/ergopath`). Without groups all of them run, about a quarter of an
+hour on two cores; those that need recordings are skipped, aloud, where `../shared` is absent.
 
 `docs/figures.json` holds the groups. Each has `steps`, which run in one folder for all groups, and what is
 read from the files that they write:
 
-- `values`: `at` leads to a number or a text in a JSON `file`. A part `key=value` of it picks the entry of a
-  list. The number is multiplied by `times`, then shown with `digits`, and with its sign where `signed`.
+- `values`: `at` leads to a number or a text in a JSON `file`. A part `key=value` of it picks the first such
+  entry of a list, `*` or `*key=value` all of them; `of` then takes the `least` or the `most`, and `over` leads to
+  what they are divided by. The number is multiplied by `times` and shown with `digits`, with its sign where `signed`.
 - `transcripts`: of a text `file`, for each prefix of `keep` the next line that begins with it; an empty
   prefix is an empty line.
 
 A page holds a value between `<!--f:GROUP.NAME-->` and `<!--/f-->`, a transcript in the fence below
-`<!--out:GROUP.NAME-->`. The tests hold the pages against the file, and the cheap groups against the program.
+`<!--out:GROUP.NAME-->`. Tests compare the pages with the file, and the `cheap` groups with the program.
 """
 
 import json
@@ -33,6 +34,10 @@ FIGURES = ROOT / "docs" / "figures.json"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 
+class Failed(Exception):
+    """A group that could not be measured; its old figures stay."""
+
+
 def placed(name):
     """A file name of a step or of a place in the project or the reference material."""
     return name.replace("REPO/", f"{ROOT}/").replace("SHARED/", f"{SHARED}/")
@@ -43,8 +48,8 @@ def run(step, binary, room):
     if "run" in step:
         words = [binary, *map(placed, step["run"])]
         done = subprocess.run(words, cwd=room, capture_output=True, text=True, check=False)
-        if done.returncode not in step.get("exits", [0]):
-            sys.exit(f"{step['run']} ended with {done.returncode}:\n{done.stderr}")
+        if done.returncode != 0:
+            raise Failed(f"{step['run']} ended with {done.returncode}:\n{done.stderr}")
         if "stdout" in step:
             (room / step["stdout"]).write_text(done.stdout)
         return
@@ -58,7 +63,7 @@ def run(step, binary, room):
         text = source.read_text()
         for old, new in step["replace"]:
             if old not in text:
-                sys.exit(f"{source} does not hold `{old}`")
+                raise Failed(f"{source} does not hold `{old}`")
             text = text.replace(old, new, 1)
         target.write_text(text)
     elif "slower" in step:
@@ -73,19 +78,27 @@ def run(step, binary, room):
 
 
 def found(value, at):
-    """What a pointer leads to."""
+    """All that a pointer leads to, several only where a part of it begins with `*`."""
+    values = [value]
     for part in at.strip("/").split("/"):
-        if "=" in part:
-            key, wanted = part.split("=", 1)
-            value = next(entry for entry in value if str(entry.get(key)) == wanted)
+        key, _, wanted = part.lstrip("*").partition("=")
+        if part.startswith("*") or "=" in part:
+            entries = [entry for value in values for entry in value]
+            fits = [e for e in entries if not key or str(e.get(key)) == wanted]
+            values = fits if part.startswith("*") else fits[:1]
         else:
-            value = value[int(part)] if isinstance(value, list) else value[part]
-    return value
+            values = [v[int(part)] if isinstance(v, list) else v[part] for v in values]
+    return values
 
 
 def shown(rule, room):
     """A value as the pages show it."""
-    value = found(json.loads((room / rule["file"]).read_text()), rule["at"])
+    source = json.loads((room / rule["file"]).read_text())
+    values = found(source, rule["at"])
+    if "over" in rule:
+        values = [a / b for a, b in zip(values, found(source, rule["over"]), strict=True)]
+    pick = {"least": min, "most": max}.get(rule.get("of"), lambda values: values[0])
+    value = pick(values)
     if "digits" not in rule:
         return str(value)
     sign = "+" if rule.get("signed") else ""
@@ -102,14 +115,23 @@ def kept(rule, room):
             continue
         line = next((line for line in lines if line.startswith(prefix)), None)
         if line is None:
-            sys.exit(f"{rule['file']} has no further line that begins with `{prefix}`")
+            raise Failed(f"{rule['file']} has no further line that begins with `{prefix}`")
         chosen.append(line.rstrip())
     return chosen
 
 
+def note(group, room):
+    """Reads the figures of a group from what its steps have written."""
+    for rule in group.get("values", {}).values():
+        rule["text"] = shown(rule, room)
+    for rule in group.get("transcripts", {}).values():
+        rule["text"] = kept(rule, room)
+
+
 def measured(figures, wanted, binary):
-    """Runs the groups and notes what they show; the names of those that ran."""
+    """Runs the groups and notes what they show; whether none failed."""
     ran = set()
+    is_whole = True
     with tempfile.TemporaryDirectory() as folder:
         room = Path(folder)
         for name, group in figures.items():
@@ -123,14 +145,15 @@ def measured(figures, wanted, binary):
                 print(f"SKIPPED {name}: it needs the group {', '.join(absent)}")
                 continue
             print(f"{name} ...", flush=True)
-            for step in group["steps"]:
-                run(step, binary, room)
-            for rule in group.get("values", {}).values():
-                rule["text"] = shown(rule, room)
-            for rule in group.get("transcripts", {}).values():
-                rule["text"] = kept(rule, room)
-            ran.add(name)
-    return ran
+            try:
+                for step in group["steps"]:
+                    run(step, binary, room)
+                note(group, room)
+                ran.add(name)
+            except Failed as why:
+                print(f"FAILED {name}: {why}")
+                is_whole = False
+    return is_whole
 
 
 def rewritten(text, figures):
@@ -160,10 +183,11 @@ def main():
     unknown = set(arguments[1:]) - set(figures)
     if unknown:
         sys.exit(f"no group is called {', '.join(sorted(unknown))}")
-    measured(figures, set(arguments[1:]), str(binary.resolve()))
+    is_whole = measured(figures, set(arguments[1:]), str(binary.resolve()))
     FIGURES.write_text(json.dumps(figures, indent=1, ensure_ascii=False) + "\n")
     for page in PAGES:
         page.write_text(rewritten(page.read_text(), figures))
+    sys.exit(0 if is_whole else 1)
 
 
 if __name__ == "__main__":

@@ -37,6 +37,7 @@ mod reba;
 mod rula;
 mod rula_continuous;
 mod sensitivity;
+mod sheets;
 mod tables;
 mod timeline;
 mod unpaired;
@@ -50,8 +51,8 @@ pub use angles::{
 pub use assess::{Assessment, TaskInputs, assess, worksheet};
 pub use back::{BackAngle, BackExposure, SPINE_JOINTS, back_angle, back_exposure};
 pub use drivers::{
-    Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_shares,
-    rula_step_courses, rula_step_shares,
+    Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_courses,
+    reba_step_shares, rula_step_courses, rula_step_shares,
 };
 pub use en1005_4::{EN_1005_4_PROVENANCE, PostureUse, en_1005_4};
 pub use exposure::{
@@ -83,6 +84,7 @@ pub use sensitivity::{
     BodyPart, THRESHOLD_MOVE_DEG, ThresholdBand, ThresholdSensitivity, ThresholdShift,
     threshold_sensitivity,
 };
+pub use sheets::{Sheet, StepOverTime, steps_over_time};
 pub use tables::{
     RulaTableA, reba_table_a, reba_table_b, reba_table_c, rula_table_a, rula_table_b, rula_table_c,
 };

@@ -16,6 +16,7 @@ mod paths;
 mod plausible;
 mod source;
 mod task;
+mod warning;
 mod worker;
 
 pub use cell::PersonMargin;
@@ -27,6 +28,7 @@ pub use freedom::{Chosen, Freedom, Freedoms, PACE_SPREAD, TIMING, TURN_ON_THE_WA
 pub use paths::{UserPath, read_user_path};
 pub use plausible::Doubt;
 pub use task::{Origin, Task};
+pub use warning::Warning;
 pub use worker::Worker;
 
 use crate::files::{InputError, parse_toml, read_text, sha256_hex, toml_schema};

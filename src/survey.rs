@@ -6,8 +6,8 @@ pub use whole::{WholePosture, WholeSurveyor};
 
 use crate::ergonomics::Side as ScoreSide;
 use crate::ergonomics::{
-    ArmAngles, ArmPose, BodyPose, Profile, RebaSteps, RulaSteps, TaskInputs, TrunkNeckAngles,
-    Worksheet, arm_angles, reba, rula, trunk_neck_angles, worksheet,
+    ArmAngles, ArmPose, BodyPose, Profile, RulaSteps, Sheet, TaskInputs, TrunkNeckAngles,
+    Worksheet, arm_angles, rula, trunk_neck_angles, worksheet,
 };
 use crate::files::InputError;
 use crate::human::{Body, PosedSkeleton, SEATED_LEGS, Segment, Side, Skeleton, Stance};
@@ -69,10 +69,9 @@ impl PostureAngles {
         worksheet(self.trunk_neck(lens.neck), &self.arm, &lens.task, &lens.profile)
     }
 
-    /// RULA and REBA.
-    pub fn score(&self, lens: &Lens) -> (RulaSteps, RebaSteps) {
-        let sheet = self.sheet(lens);
-        (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
+    /// By all scoring methods.
+    pub fn score(&self, lens: &Lens) -> Sheet {
+        Sheet::of(&self.sheet(lens), &lens.profile)
     }
 
     /// RULA of the other arm: no load, no coupling.

@@ -7,7 +7,7 @@
 //! ```
 //! [`fit()`] solves one bounded least-squares problem per frame; its parts are the recorded targets,
 //! the chain with its residuals, and an active set that keeps every posture inside all limits.
-//! [`train()`] learns the chosen method on everything after all methods have been judged on movement
+//! [`read_person`] reads and fits all recordings of one person. [`train()`] learns the chosen method on everything after all methods have been judged on movement
 //! that they had not seen. [`toy5r`] is the paper's problem with a known truth, for judging methods;
 //! [`toy5r_paper`] holds the paper's own figures for it. [`size_experiment`] shows how cost and quality
 //! grow with the number of frames, on movements of the simulated operator. [`weight_spread`] and
@@ -35,6 +35,7 @@ mod settings;
 mod sharing;
 mod simulated_movements;
 mod size_experiment;
+mod source;
 mod spread;
 mod targets;
 pub mod toy5r;
@@ -64,6 +65,7 @@ pub use rollout_check::{
 pub use settings::{Lengths, Objective, Optimiser, PullRule, TrainSettings};
 pub use simulated_movements::{Reach, SimulatedMovements};
 pub use size_experiment::{SizeExperiment, SizeQuestion, SizeRow, size_experiment};
+pub use source::{Angles, Source, Whom, provenance, read_person, read_source};
 pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};
 pub use toy5r_experiment::{
     InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,

@@ -131,7 +131,7 @@ fn result(r: &crate::planner::RunResult) -> Explained {
             explained.saying(format!("input {name}: SHA-256 {}…", &hash[..hash.len().min(16)]));
     }
     explained.notes.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).to_owned()));
-    explained.warnings.extend(r.warnings.iter().cloned());
+    explained.warnings.extend(r.warnings.iter().map(crate::words::setting::warning));
     explained
 }
 

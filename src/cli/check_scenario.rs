@@ -117,7 +117,11 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
     explained
         .notes
         .extend(scenario.robot.notes.iter().map(|n| format!("robot: {}", words::robot::note(n))));
-    explained.warnings.extend(scenario.warnings.iter().cloned());
+    explained.warnings.extend(scenario.warnings.iter().map(words::setting::warning));
+    let elsewhere = scenario.paths.iter().filter_map(|p| {
+        scenario.end_mismatch(&p.path).map(|e| words::setting::other_movement(&p.name, &e))
+    });
+    explained.warnings.extend(elsewhere);
     for finding in look.findings() {
         let list = if finding.is_error() { &mut explained.errors } else { &mut explained.warnings };
         list.push(words::look::sentence(&finding));
@@ -205,7 +209,7 @@ fn print_sensitivity(s: &CellSensitivity) {
     let n = &s.nominal;
     for q in &s.quantities {
         let rula = |v: f64| signed(v - n.expected_rula);
-        let exposure = |v: f64| format!("{:+.1} %", 100.0 * (v - n.exposure_rula_5) + 0.0);
+        let exposure = |v: f64| signed_percent(v - n.exposure_rula_5);
         let verdict = match (n.against_straight, q.changes_verdict) {
             (None, _) => "",
             (_, true) => "changes",
@@ -235,6 +239,12 @@ fn print_sensitivity(s: &CellSensitivity) {
         "With robot.base the whole path moves along; with start or goal its ends do. Whether the robot still \
          keeps its limits is not asked."
     );
+}
+
+/// A change of a share with its sign; what rounds to nothing has none.
+fn signed_percent(change: f64) -> String {
+    let text = format!("{:+.1} %", 100.0 * change);
+    if ["-0.0 %", "+0.0 %"].contains(&text.as_str()) { "0.0 %".to_owned() } else { text }
 }
 
 /// A change with its sign; what rounds to nothing has none.

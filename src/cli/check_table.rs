@@ -77,7 +77,7 @@ fn path_of(path: &Path, robot: &str, kind: &str) -> Result<Explained, InputError
     let user = read_user_path("path", path, &Robot::preset(robot)?, None)?;
     let (p, ends) = (&user.path, [user.path.poses.first(), user.path.poses.last()]);
     let mut explained = Explained::new(kind).saying(format!(
-        "{} samples over {:.2} s, {:.3} m of way",
+        "{} samples over {:.2} s, {:.3} m of travel",
         p.time_s.len(),
         p.duration_s(),
         p.length_m()

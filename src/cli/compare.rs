@@ -18,7 +18,7 @@ pub(super) struct Args {
     /// Page to write (FILE.html, with FILE.csv beside it), or a folder for comparison.html and .csv.
     #[arg(short, long, value_name = "FILE.html|DIR")]
     output: PathBuf,
-    /// Run that the others are held against: its name in the table. Without it, the first.
+    /// Run that the others are compared with: its name in the table. Without it, the first.
     #[arg(long, value_name = "NAME")]
     against: Option<String>,
     /// Print the comparison as JSON instead of the table.
@@ -108,7 +108,7 @@ pub(super) fn compared(runs: &[NamedRun], against: Option<&str>) -> Comparison {
     if let (Some(wanted), Some(used)) = (against, &compared.against)
         && wanted != used
     {
-        complain!("warning: `{wanted}` has no feasible path; the runs are held against `{used}`");
+        complain!("warning: `{wanted}` has no feasible path; the runs are compared with `{used}`");
     }
     compared
 }

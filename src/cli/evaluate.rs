@@ -2,7 +2,7 @@
 
 use super::evaluate_print::{as_json, print_text};
 use super::progress::Progress;
-use super::train::{Wanted, parse_side, source};
+use super::train::parse_side;
 use super::{Failure, Outcome};
 use crate::files::{InputError, suggest};
 use crate::human::{Body, Side};
@@ -10,7 +10,7 @@ use crate::kinematics::{Linkage, read_urdf};
 use crate::posture::{Hold, Method, Sampling};
 use crate::training::{
     DataFile, Dataset, Evaluation, Fold, Judging, Lengths, MethodScore, Objective, Optimiser,
-    PullRule, TrainSettings, Trial, evaluate, read_data,
+    PullRule, TrainSettings, Trial, Whom, evaluate, read_data, read_source,
 };
 use std::path::{Path, PathBuf};
 
@@ -285,10 +285,10 @@ fn problems(args: &Args) -> Result<Vec<Problem>, InputError> {
 
 /// Recordings of a person: trials of one data set, or a problem each.
 fn recorded(args: &Args, body: &Body) -> Result<Vec<Problem>, InputError> {
-    let wanted = Wanted { person: args.person.as_deref(), side: args.side, body };
+    let whom = Whom { person: args.person.as_deref(), side: args.side, body };
     let mut sources: Vec<(String, Vec<Trial>)> = Vec::new();
     for path in &args.data {
-        let found = source(path, &wanted)?;
+        let found = read_source(path, &whom)?;
         for note in &found.notes {
             complain!("warning: {note}");
         }

@@ -126,10 +126,10 @@ pub(super) fn print_text(
         say!("\nRollouts along held-out paths, from the true first posture:");
         say!("{}", walks(merged));
         say!(
-            "  Joint error along the path, rms over joints, mean over time, without noise: without a pull \
-             and with one by\n  time or by hand travel. At rest: joint speed of sampled people whose hand \
-             rests{}. Round trips:\n  three there and back. Bands: 100 sampled people; the noise is \
-             calibrated on the training part only.",
+            "  Joint error along the path, rms over joints, mean over time and over what was held out, \
+             without noise:\n  without a pull and with one by time or by hand travel. At rest: joint speed \
+             of sampled repetitions while the\n  hand rests{}. Round trips: three there and back. Bands: 100 \
+             sampled repetitions;\n  the noise is calibrated on the training part only.",
             recorded_text(merged)
         );
     }

@@ -9,6 +9,7 @@ use crate::planner::{
 };
 use crate::report;
 use crate::scenario::{Scenario, read_scenario};
+use crate::words;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -107,7 +108,7 @@ fn run(
         outputs.expect_file(file, TIMINGS.as_bytes())?;
     }
     for warning in &scenario.warnings {
-        complain!("warning: {warning}");
+        complain!("warning: {}", words::setting::warning(warning));
     }
     let seed = common.seed.unwrap_or(scenario.seed);
     let command = canonical(verb, scenario, &common.planner, seed);

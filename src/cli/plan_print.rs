@@ -2,6 +2,7 @@
 //! warnings, and how far to trust it.
 
 use super::bars::{bad_share, bold, table};
+use crate::path::Family;
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult, Severity, Status};
 use crate::words;
 use crate::words::number::{percent, score};
@@ -77,12 +78,21 @@ fn print_ranking(result: &RunResult) {
         }
         say!("\n{}", table.trim_fmt());
     }
-    let count = |e: Evaluated| result.candidates.iter().filter(|c| c.evaluated == e).count();
-    say!(
-        "  and {} paths of the search that were not shortlisted, {} that are not feasible",
-        count(Evaluated::Search),
-        count(Evaluated::None)
-    );
+    let of = |e: Evaluated| result.candidates.iter().filter(move |c| c.evaluated == e);
+    let searched = of(Evaluated::Search).count();
+    if searched > 0 {
+        say!("  and {searched} paths of the search that were not shortlisted");
+    }
+    let refused: Vec<String> = of(Evaluated::None)
+        .filter(|c| c.family != Family::Sampled)
+        .map(|c| format!("`{}`", c.id))
+        .collect();
+    let sampled = of(Evaluated::None).count() - refused.len();
+    let sampled = (sampled > 0).then(|| format!("{sampled} of the search"));
+    let all: Vec<String> = refused.into_iter().chain(sampled).collect();
+    if !all.is_empty() {
+        say!("  not feasible: {}", all.join(", "));
+    }
     say!(
         "  3+: RULA action level 3 or above (score 5 or more). Scores are means: they rank, they do not measure. \
          Ranked by the objective on other repetitions than those of the figures."

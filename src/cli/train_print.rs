@@ -1,8 +1,8 @@
 //! What `train` says: the recordings, the quality of the methods, and what was learned.
 
-use super::train::Source;
+use crate::human::Body;
 use crate::posture::{Clock, Method, MethodQuality, Noise, PostureModel};
-use crate::training::Dataset;
+use crate::training::{Angles, Dataset, FitReport, Source};
 use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
@@ -17,7 +17,7 @@ pub(super) fn print_json(
 ) {
     let recordings: Vec<_> = sources
         .iter()
-        .map(|s| json!({"source": s.name, "sha256": s.sha256, "simulated": s.simulated, "fit": s.fit}))
+        .map(|s| json!({"source": s.name, "sha256": s.sha256, "simulated": s.simulated, "fit": s.fit()}))
         .collect();
     let figures: Vec<String> = figures.iter().map(|path| path.display().to_string()).collect();
     say!(
@@ -41,10 +41,16 @@ pub(super) fn print_json(
 }
 
 /// Prints what was read, how well the methods do, and what was learned.
-pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureModel, path: &Path) {
+pub(super) fn print_text(
+    (sources, body): (&[Source], &Body),
+    dataset: &Dataset,
+    model: &PostureModel,
+    path: &Path,
+) {
     for source in sources {
-        say!("{}: {}", source.name, source.lines[0]);
-        for line in &source.lines[1..] {
+        let lines = source_lines(source, body);
+        say!("{}: {}", source.name, lines[0]);
+        for line in &lines[1..] {
             say!("  {line}");
         }
     }
@@ -58,8 +64,8 @@ pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureM
     say!(
         "  RMSE of joint velocity over its rms; log-likelihood in nats per frame (floor 0.01 rad/s; in \
          all\n  joints with S_x = (1e-4)^2); mean joint error along the held-out hand path, without \
-         and with\n  the pull towards the person's postures; what the 90 % band of rollouts holds of \
-         the held-out joint\n  angles, and how wide it is. plain-ik is the plain pseudo-inverse."
+         and with\n  the pull towards the person's postures; how much of the held-out joint angles \
+         the 90 % band of\n  repetitions covers, and how wide it is. plain-ik is the plain pseudo-inverse."
     );
     let groups = model.weight_by_group().into_iter();
     let groups: Vec<String> = groups.map(|(g, s)| format!("{g} {}", percent(s))).collect();
@@ -76,6 +82,88 @@ pub(super) fn print_text(sources: &[Source], dataset: &Dataset, model: &PostureM
         model.method.name(),
         dataset.frames.len()
     );
+}
+
+/// What a recording holds and how its joint angles came about, a line each.
+pub(super) fn source_lines(source: &Source, body: &Body) -> Vec<String> {
+    match &source.angles {
+        Angles::Fitted { format, rate_hz, report } => {
+            let seconds = report.frames as f64 / rate_hz;
+            let frames =
+                format!("{} frames at {rate_hz} Hz, {seconds:.1} s ({format})", report.frames);
+            std::iter::once(frames).chain(fit_lines(report, body)).collect()
+        }
+        Angles::Given { cutoff_hz } => {
+            let trials = &source.trials;
+            let rows: usize = trials.iter().map(|t| t.q.len()).sum();
+            let seconds: f64 = trials.iter().map(|t| t.q.len() as f64 / t.rate_hz).sum();
+            let kind = if source.simulated { "simulated operator" } else { "joint angles" };
+            let filter = cutoff_hz.map_or_else(
+                || "not filtered: the rate is too low".to_owned(),
+                |f| format!("{f} Hz"),
+            );
+            vec![
+                format!("{rows} rows, {seconds:.1} s in {} trials ({kind})", trials.len()),
+                format!("low-pass filter     {filter}"),
+            ]
+        }
+    }
+}
+
+fn fit_lines(report: &FitReport, body: &Body) -> Vec<String> {
+    let hand = report.hand_residual_mm;
+    let worst: Vec<String> = report
+        .joints_at_limit
+        .iter()
+        .take(3)
+        .map(|(joint, share)| format!("{joint} {}", percent(*share)))
+        .collect();
+    let at_limits = format!("{} of the frames", percent(report.frames_at_limit_share));
+    let offset = report.pelvis_offset_mm;
+    let hint = report.stature_hint_m.map_or_else(
+        || "not told by the recording".to_owned(),
+        |s| format!("{s:.2} m by the arm; the body is {:.2} m", body.size.stature_m),
+    );
+    vec![
+        format!(
+            "hand residual       median {:.1} mm, 95 % within {:.1} mm, largest {:.1} mm",
+            hand.p50, hand.p95, hand.max
+        ),
+        // Else a difference of the two pelvis origins would be walked as a bent spine.
+        format!(
+            "pelvis offset       {:.0} {:.0} {:.0} mm (forward, up, right; constant, taken out before)",
+            offset[0], offset[1], offset[2]
+        ),
+        format!("calibration         {}", calibration(report)),
+        format!(
+            "coupling error      {:.3} m/s rms, hand speed {:.3} m/s rms",
+            report.coupling_error_m_s, report.hand_speed_m_s
+        ),
+        if worst.is_empty() {
+            format!("pressing on limits  {at_limits}")
+        } else {
+            format!("pressing on limits  {at_limits} ({})", worst.join(", "))
+        },
+        format!("stature             {hint}"),
+        format!(
+            "low-pass filter     {} Hz (Butterworth without phase lag, fourth order), then central differences",
+            report.cutoff_hz
+        ),
+    ]
+}
+
+/// The constant turns of the arm's segments, in one line.
+fn calibration(report: &FitReport) -> String {
+    let turned: Vec<String> = report
+        .calibration_deg
+        .iter()
+        .filter(|(_, turn)| turn.iter().any(|a| a.abs() >= 0.5))
+        .map(|(name, [x, y, z])| format!("{name} {x:.0} {y:.0} {z:.0}"))
+        .collect();
+    if turned.is_empty() {
+        return "none needed: no joint is recorded beyond its range".to_owned();
+    }
+    format!("{} deg (about forward, up, right; constant, taken out before)", turned.join(", "))
 }
 
 /// What differs between repetitions, in words.
@@ -116,7 +204,7 @@ fn quality_table(quality: &[MethodQuality], chosen: Method) -> Table {
         "LL all",
         "path error",
         "with pull",
-        "90 % band holds",
+        "90 % band covers",
         "width",
     ]);
     for q in quality {

@@ -166,14 +166,27 @@ pub fn reba_step_shares(rollouts: &[Vec<Option<RebaSteps>>]) -> Vec<StepShare> {
 /// Mean score of each step of RULA at each time, over the rollouts that have not exceeded their reach;
 /// in the order of [`rula_step_shares`]. A time that nobody reaches repeats the one before.
 pub fn rula_step_courses(rollouts: &[Vec<Option<RulaSteps>>]) -> Vec<Vec<f64>> {
+    courses(rollouts, RulaStep::ALL.len(), |s, i| RulaStep::ALL[i].value(s))
+}
+
+/// The same for the steps of REBA.
+pub fn reba_step_courses(rollouts: &[Vec<Option<RebaSteps>>]) -> Vec<Vec<f64>> {
+    courses(rollouts, RebaStep::ALL.len(), |s, i| RebaStep::ALL[i].value(s))
+}
+
+fn courses<S>(
+    rollouts: &[Vec<Option<S>>],
+    count: usize,
+    value: impl Fn(&S, usize) -> u8,
+) -> Vec<Vec<f64>> {
     let frames = rollouts.iter().map(Vec::len).max().unwrap_or(0);
-    let course = |step: RulaStep| {
+    let course = |step: usize| {
         let mut before = 0.0;
         let mut at = |k: usize| {
             let there: Vec<f64> = rollouts
                 .iter()
                 .filter_map(|r| r.get(k)?.as_ref())
-                .map(|s| f64::from(step.value(s)))
+                .map(|s| f64::from(value(s, step)))
                 .collect();
             if !there.is_empty() {
                 before = mean(&there);
@@ -182,7 +195,7 @@ pub fn rula_step_courses(rollouts: &[Vec<Option<RulaSteps>>]) -> Vec<Vec<f64>> {
         };
         (0..frames).map(&mut at).collect()
     };
-    RulaStep::ALL.into_iter().map(course).collect()
+    (0..count).map(course).collect()
 }
 
 /// `look(sheet, step)`: the step's score and the drop of the total.

@@ -3,8 +3,8 @@
 
 use super::action_levels::{ActionLevelShare, levels};
 use super::exposure::ScoreDistribution;
-use super::reba::{REBA_WORST, reba_action_level, reba_action_words};
-use super::rula::{RULA_WORST, rula_action_level, rula_action_words};
+use super::reba::{REBA_WORST, reba_action_level, reba_action_short, reba_action_words};
+use super::rula::{RULA_WORST, rula_action_level, rula_action_short, rula_action_words};
 use serde::{Deserialize, Serialize};
 use std::ops::{Index, IndexMut};
 
@@ -60,6 +60,14 @@ impl ScoringMethod {
         match self {
             Self::Rula => rula_action_words(level),
             Self::Reba => reba_action_words(level),
+        }
+    }
+
+    /// The same in a word or two.
+    pub fn level_short(self, level: u8) -> &'static str {
+        match self {
+            Self::Rula => rula_action_short(level),
+            Self::Reba => reba_action_short(level),
         }
     }
 

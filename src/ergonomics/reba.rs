@@ -187,6 +187,17 @@ pub fn reba_action_words(level: u8) -> &'static str {
     }
 }
 
+/// The same in a word or two.
+pub(super) fn reba_action_short(level: u8) -> &'static str {
+    match level {
+        0 => "negligible risk",
+        1 => "low risk",
+        2 => "medium risk",
+        3 => "high risk",
+        _ => "very high risk",
+    }
+}
+
 // In the ladders below the worst class stands last, where a value that is not a number ends up.
 
 /// Twist and side bend share one point: the tables end at neck 3 and trunk 5.

@@ -197,6 +197,16 @@ pub fn rula_action_words(level: u8) -> &'static str {
     }
 }
 
+/// The same in a word or two.
+pub(super) fn rula_action_short(level: u8) -> &'static str {
+    match level {
+        0 | 1 => "acceptable",
+        2 => "look further",
+        3 => "change soon",
+        _ => "change now",
+    }
+}
+
 /// Whether an angle is below a threshold that the paper words "or more".
 fn below(angle_deg: f64, threshold_deg: f64, profile: &Profile) -> bool {
     if profile.or_more_is_higher { angle_deg < threshold_deg } else { angle_deg <= threshold_deg }

@@ -70,10 +70,33 @@ pub fn normal_quantile(share: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Median of ordinal values, interpolated within the whole number that it falls into, whose values are
+/// taken to be spread evenly over one unit (the median of grouped data). It does not jump by one when
+/// half of the values are about to change. Not a number without values.
+pub fn grouped_median(values: &[f64]) -> f64 {
+    let mut whole: Vec<f64> = values.iter().map(|v| v.round()).collect();
+    whole.sort_by(f64::total_cmp);
+    let Some(&middle) = whole.get(whole.len().saturating_sub(1) / 2) else { return f64::NAN };
+    let below = whole.iter().filter(|v| **v < middle).count() as f64;
+    let same = whole.iter().filter(|v| **v == middle).count() as f64;
+    middle - 0.5 + (0.5 * whole.len() as f64 - below) / same
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    #[test]
+    fn the_grouped_median_moves_with_the_shares() {
+        assert_eq!(grouped_median(&[5.0; 7]), 5.0);
+        assert_eq!(grouped_median(&[5.0, 6.0, 6.0, 5.0]), 5.5);
+        // A quarter lies below 5, so the middle is a third of the unit about 5.
+        let of = grouped_median(&[4.0, 5.0, 5.0, 5.0]);
+        assert!((of - (4.5 + 0.25 / 0.75)).abs() < 1e-12, "{of}");
+        assert_eq!(grouped_median(&[6.0, 5.0, 6.0]), 6.0 - 0.5 + (1.5 - 1.0) / 2.0);
+        assert!(grouped_median(&[]).is_nan());
+    }
 
     #[test]
     fn quantiles_interpolate() {

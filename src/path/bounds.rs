@@ -1,5 +1,5 @@
 //! Reasons against a move that are exact and need no solver: start or goal outside the box, too
-//! little time for the turn, too little time for the straight way.
+//! little time for the turn, too little time for the straight path.
 //!
 //! Straight rest-to-rest way `L` under speed `v`, acceleration `a` and jerk `j`: rising from rest to
 //! a speed `u` takes `a/j + u/a` (or `2 sqrt(u/j)` if `a` is not reached) and covers half of `u`

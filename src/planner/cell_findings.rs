@@ -41,17 +41,17 @@ pub enum CellFinding<'a> {
     RobotTouches(&'a RobotReach),
     /// There are obstacles, but the robot has no shapes to measure distances from.
     ObstaclesUnchecked,
-    /// The robot cannot follow the straight way: why, and after which share of the duration.
+    /// The robot cannot follow the straight path: why, and after which share of the duration.
     RobotStopped(&'a NoMotion, f64),
-    /// The robot touches an obstacle on the straight way.
+    /// The robot touches an obstacle on the straight path.
     RobotTouchesOnTheWay(&'a str),
     /// A body's hand does not get to an end at all.
     HandOutOfReach(&'a HandReach),
     /// Few start postures get there.
     HandAtItsEnd(&'a HandReach),
-    /// Many repetitions cannot follow the straight way.
+    /// Many repetitions cannot follow the straight path.
     HandLeftBehind(&'a HandAlong),
-    /// The training data do not support most of the straight way.
+    /// The training data do not support most of the straight path.
     Unsupported(&'a HandAlong),
     /// Most start postures are unlike those of the training data.
     UnusualStarts(&'a HandAlong),
@@ -109,7 +109,7 @@ impl CellLook {
         all
     }
 
-    /// Faults on the straight way; what is lost at the start already is told there.
+    /// Faults on the straight path; what is lost at the start already is told there.
     fn along_findings(&self) -> Vec<CellFinding<'_>> {
         use CellFinding as F;
         let mut all = Vec::new();

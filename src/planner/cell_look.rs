@@ -1,4 +1,4 @@
-//! A look at the cell without planning: who reaches start, goal and the straight way between them,
+//! A look at the cell without planning: who reaches start, goal and the straight path between them,
 //! how near the robot comes to obstacles, what stands in the worker, and what to draw.
 //!
 //! Facts only; [`CellLook::findings`] says which of them are faults. The words are the command's.
@@ -17,9 +17,9 @@ use crate::scenario::{FacesAway, Freedom, Scenario};
 use crate::trajectory::minimum_jerk_line;
 use serde::Serialize;
 
-/// Start postures with which each end, and the straight way, is tried.
+/// Start postures with which each end, and the straight path, is tried.
 const TRIES: usize = 16;
-/// Time steps of the straight way.
+/// Time steps of the straight path.
 const STEPS: usize = 60;
 /// How much longer than the shortest possible the straight minimum-jerk movement has to take at least:
 /// its peaks of speed and acceleration are higher.
@@ -58,7 +58,7 @@ pub struct HangingFeet {
     pub above_m: f64,
 }
 
-/// The cell as it would be at start and goal, and on the straight way between them.
+/// The cell as it would be at start and goal, and on the straight path between them.
 #[derive(Debug, Clone, Serialize)]
 pub struct CellLook {
     /// Everything in words and numbers.
@@ -78,11 +78,11 @@ pub struct CellLook {
     pub shortest_s: Option<f64>,
     /// Each body's hand at start and goal.
     pub hands: Vec<HandReach>,
-    /// Each body's hand along the straight way.
+    /// Each body's hand along the straight path.
     pub along: Vec<HandAlong>,
     /// The robot at start and goal.
     pub robot: [RobotReach; 2],
-    /// The robot along the straight way; none where it does not reach the start.
+    /// The robot along the straight path; none where it does not reach the start.
     pub robot_along: Option<RobotAlong>,
     /// Obstacles that stand in the worker.
     pub intrusions: Vec<Intrusion>,
@@ -110,7 +110,7 @@ pub struct HandReach {
     pub gap_m: f64,
 }
 
-/// How a body's hand follows the straight way.
+/// How a body's hand follows the straight path.
 #[derive(Debug, Clone, Serialize)]
 pub struct HandAlong {
     /// Body.
@@ -145,7 +145,7 @@ pub struct RobotReach {
     pub nearest: Option<String>,
 }
 
-/// Whether the robot can follow the straight way, slowly enough for the limits of the TCP.
+/// Whether the robot can follow the straight path, slowly enough for the limits of the TCP.
 #[derive(Debug, Clone, Serialize)]
 pub struct RobotAlong {
     /// Why not, and after which share of the duration; none where it can.
@@ -232,7 +232,7 @@ fn shortest(scenario: &Scenario) -> Option<f64> {
     shortest_duration_s(&scenario.start, &scenario.goal, &scenario.limits, &settings)
 }
 
-/// People and robot along the straight way, no quicker than the limits of the TCP allow.
+/// People and robot along the straight path, no quicker than the limits of the TCP allow.
 fn straight_way(
     scenario: &Scenario,
     people: &[Person],

@@ -142,7 +142,7 @@ impl Filming<'_> {
             let repetition = &repetitions.all[rollout];
             let scores =
                 self.reached(repetition).iter().map(|&k| repetition.angles[k].score(self.lens));
-            let (rula, reba) = scores.map(|(rula, reba)| (rula.grand, reba.total)).unzip();
+            let (rula, reba) = scores.map(|s| (s.rula.grand, s.reba.total)).unzip();
             Walker { rollout, rula, reba, track }
         });
         let typical = typical.and_then(|_| walkers.next());

@@ -4,7 +4,7 @@
 use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{Moment, MomentKind};
-use crate::ergonomics::{Clock, TimeRules};
+use crate::ergonomics::{Clock, Sheet, TimeRules};
 use crate::scenario::Variant;
 use crate::survey::{Lens, PostureAngles};
 use nalgebra::DVector;
@@ -42,8 +42,8 @@ pub(super) fn moments(
 fn scored(repetition: &Repetition, lens: &Lens) -> Vec<(u8, u8)> {
     let end = repetition.rollout.reach_exceeded_at.unwrap_or(repetition.angles.len());
     let score = |a: &PostureAngles| {
-        let (rula, reba) = a.score(lens);
-        (rula.grand, reba.total)
+        let sheet = a.score(lens);
+        (sheet.rula.grand, sheet.reba.total)
     };
     repetition.angles[..end.min(repetition.angles.len())].iter().map(score).collect()
 }
@@ -111,7 +111,7 @@ impl Place<'_> {
     fn moment(&self, what: MomentKind, (r, k): (usize, usize), held_s: Option<f64>) -> Moment {
         let repetition = &self.repetitions.all[r];
         let angles = &repetition.angles[k];
-        let (rula, reba) = angles.score(self.lens);
+        let Sheet { rula, reba } = angles.score(self.lens);
         let (t, arm) = (angles.trunk_neck(self.lens.neck), &angles.arm);
         let named = [
             ("trunk flexion", t.trunk_flex_deg),

@@ -20,6 +20,10 @@ use crate::robot::{
 use crate::scenario::{EndMismatch, Scenario, UserPath, Variant};
 use crate::trajectory::TimedPath;
 
+/// Longest steps in which a path of the user's is looked at, s and m, and most steps.
+const LONGEST_STEP_S: f64 = 0.25;
+const LONGEST_STEP_M: f64 = 0.02;
+const MOST_STEPS: f64 = 3000.0;
 /// Distance to obstacles below which a path is refused, m.
 const SMALLEST_CLEARANCE_M: f64 = 0.0;
 
@@ -228,10 +232,7 @@ impl<'a> Workshop<'a> {
             is_users: true,
             ends: s.end_mismatch(&user.path),
         };
-        let step = s.duration_s / self.preset.steps as f64;
-        // A whole number of steps over the path's own duration.
-        let count = (user.path.duration_s() / step).round().max(1.0);
-        let path = match user.path.resample(user.path.duration_s() / count) {
+        let path = match user.path.resample(user.path.duration_s() / self.samples_of(&user.path)) {
             Ok(path) => path,
             Err(e) => return prepared.refused(NoPath::from(e)),
         };
@@ -262,6 +263,15 @@ impl<'a> Workshop<'a> {
             prepared.status = Status::Marked { violations };
         }
         prepared
+    }
+
+    /// Steps in which a path of the user's is looked at: as many as ours have, and more where it is long
+    /// in time or way. What the scenario says of the duration does not matter.
+    fn samples_of(&self, path: &TimedPath) -> f64 {
+        let apart = |w: &[Pose]| (w[1].translation.vector - w[0].translation.vector).norm();
+        let travel_m: f64 = path.poses.windows(2).map(apart).sum();
+        let wanted = (path.duration_s() / LONGEST_STEP_S).max(travel_m / LONGEST_STEP_M);
+        wanted.ceil().clamp(self.preset.steps as f64, MOST_STEPS)
     }
 
     fn follow_users(&self, path: &TimedPath) -> Follow {

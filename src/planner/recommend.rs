@@ -116,14 +116,14 @@ fn changes(environment: &Environment, from: &Variant) -> Vec<Tried> {
     }
     for by in ANGLES_DEG.into_iter().flat_map(|d| [d, -d]).map(f64::to_radians) {
         let facing = from.facing + by;
-        push(CellChange::TurnWorker(by), Variant { facing, ..from.clone() });
+        push(CellChange::TurnWorker { by_rad: by }, Variant { facing, ..from.clone() });
         let about = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), by);
         let grip = from.grip * Pose::from_parts(Vec3::zeros().into(), about);
-        push(CellChange::TurnHandle(by), Variant { grip, ..from.clone() });
+        push(CellChange::TurnHandle { by_rad: by }, Variant { grip, ..from.clone() });
     }
     let load_kg = environment.lens.task.load_kg;
     if load_kg > 0.0 {
-        let (what, variant) = (CellChange::HalveLoad(load_kg), from.clone());
+        let (what, variant) = (CellChange::HalveLoad { load_kg }, from.clone());
         all.push(Tried { what, variant, load_share: 0.5 });
     }
     all
@@ -140,9 +140,9 @@ fn is_one_direction(a: &CellChange, b: &CellChange) -> bool {
     match (a, b) {
         (MoveWorker { way: a, .. }, MoveWorker { way: b, .. }) => a == b,
         (RaiseWorker { by_m: a, .. }, RaiseWorker { by_m: b, .. })
-        | (TurnWorker(a), TurnWorker(b))
-        | (TurnHandle(a), TurnHandle(b)) => a.signum() == b.signum(),
-        (HalveLoad(_), HalveLoad(_)) => true,
+        | (TurnWorker { by_rad: a }, TurnWorker { by_rad: b })
+        | (TurnHandle { by_rad: a }, TurnHandle { by_rad: b }) => a.signum() == b.signum(),
+        (HalveLoad { .. }, HalveLoad { .. }) => true,
         _ => false,
     }
 }

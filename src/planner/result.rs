@@ -17,7 +17,7 @@ use crate::posture::{Hold, MethodQuality};
 use crate::robot::{
     JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
 };
-use crate::scenario::{Chosen, EndMismatch, Origin, OtherArm, Task};
+use crate::scenario::{Chosen, EndMismatch, Origin, OtherArm, Task, Warning};
 use crate::survey::NeckRule;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -52,7 +52,7 @@ pub struct RunResult {
     /// What would lower the score of the best path; none without one.
     pub recommendations: Option<Recommendations>,
     /// What the reader should know.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// What is not part of the model.
     pub not_modelled: Vec<NotModelled>,
     /// The planner's settings.
@@ -794,12 +794,21 @@ pub enum CellChange {
         /// Whether the worker sits.
         seated: bool,
     },
-    /// The worker turned about the vertical, rad; positive to the left.
-    TurnWorker(f64),
-    /// The handle turned about its bar, rad.
-    TurnHandle(f64),
-    /// Half of the load carried by the robot; the load now, kg.
-    HalveLoad(f64),
+    /// The worker turned about the vertical; positive to the left.
+    TurnWorker {
+        /// By how much, rad.
+        by_rad: f64,
+    },
+    /// The handle turned about its bar.
+    TurnHandle {
+        /// By how much, rad.
+        by_rad: f64,
+    },
+    /// Half of the load carried by the robot.
+    HalveLoad {
+        /// The load now, kg.
+        load_kg: f64,
+    },
 }
 
 /// A direction as the worker sees it.

@@ -4,16 +4,16 @@
 //! s_r(t)                                   official score of repetition r, whole numbers
 //! time mean    S_r = mean over t           counts a slow part of the path more than a quick one
 //! per metre    M_r = sum s_r ds / sum ds   ds: hand travel; the same whatever the timing
-//! peak         P_r = 95th percentile over t
+//! peak         P_r = 95th percentile over t; over r the median, interpolated within whole scores
 //! ```
 
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{MethodScores, PartScore};
 use crate::ergonomics::{
-    P_AT_LEAST_S, PerMethod, RebaSteps, RulaSteps, ScoringMethod, exposure_by_rollout,
-    score_distribution, time_means,
+    P_AT_LEAST_S, PerMethod, ScoringMethod, Sheet, exposure_by_rollout, score_distribution,
+    time_means,
 };
-use crate::math::stats::{mean, quantile};
+use crate::math::stats::{grouped_median, mean, quantile};
 use crate::survey::{Lens, PostureAngles};
 use rayon::prelude::*;
 
@@ -99,7 +99,7 @@ impl<'a> Scored<'a> {
             distribution,
             high_band: band(&figures.high),
             per_metre: mean(&figures.per_metre),
-            peak: quantile(&figures.peak, 0.5),
+            peak: grouped_median(&figures.peak),
             by_rollout: figures.time_mean,
             per_metre_by_rollout: figures.per_metre,
             peak_by_rollout: figures.peak,
@@ -108,13 +108,13 @@ impl<'a> Scored<'a> {
     }
 }
 
-/// Both sheets of every repetition and frame; nothing once the reach is exceeded.
-pub(super) struct Sheets(Vec<Vec<Option<(RulaSteps, RebaSteps)>>>);
+/// The sheets of every repetition and frame; nothing once the reach is exceeded.
+pub(super) struct Sheets(pub Vec<Vec<Option<Sheet>>>);
 
 impl Sheets {
     pub(super) fn of(
         repetitions: &Repetitions,
-        score: impl Fn(&PostureAngles) -> (RulaSteps, RebaSteps) + Sync,
+        score: impl Fn(&PostureAngles) -> Sheet + Sync,
     ) -> Self {
         let one = |w: &Repetition| {
             let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
@@ -124,23 +124,9 @@ impl Sheets {
         Self(repetitions.all.par_iter().map(one).collect())
     }
 
-    fn each<T>(&self, of: impl Fn(Option<&(RulaSteps, RebaSteps)>) -> T) -> Vec<Vec<T>> {
-        self.0.iter().map(|r| r.iter().map(|s| of(s.as_ref())).collect()).collect()
-    }
-
     fn totals(&self, method: ScoringMethod) -> Vec<Vec<u8>> {
-        match method {
-            ScoringMethod::Rula => self.each(|s| s.map_or(method.worst(), |(rula, _)| rula.grand)),
-            ScoringMethod::Reba => self.each(|s| s.map_or(method.worst(), |(_, reba)| reba.total)),
-        }
-    }
-
-    pub(super) fn rula_steps(&self) -> Vec<Vec<Option<RulaSteps>>> {
-        self.each(|s| s.map(|(rula, _)| *rula))
-    }
-
-    pub(super) fn reba_steps(&self) -> Vec<Vec<Option<RebaSteps>>> {
-        self.each(|s| s.map(|(_, reba)| *reba))
+        let total = |s: &Option<Sheet>| s.map_or(method.worst(), |s| s.total(method));
+        self.0.iter().map(|r| r.iter().map(total).collect()).collect()
     }
 
     /// Means over repetitions and time.

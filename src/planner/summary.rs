@@ -4,9 +4,9 @@ use super::repetitions::{Repetition, Repetitions};
 use super::result::{BodyScores, PartScore};
 use super::scored::{Scored, Sheets};
 use crate::ergonomics::{
-    P_AT_LEAST_S, PerMethod, RulaSteps, ScoringMethod, StepShare, THRESHOLD_MOVE_DEG,
-    ThresholdSensitivity, ThresholdShift, reba, reba_step_shares, rula, rula_step_courses,
-    rula_step_shares, score_distribution, threshold_sensitivity,
+    P_AT_LEAST_S, PerMethod, ScoringMethod, Sheet, StepOverTime, THRESHOLD_MOVE_DEG,
+    ThresholdSensitivity, ThresholdShift, score_distribution, steps_over_time,
+    threshold_sensitivity,
 };
 use crate::math::stats::mean;
 use crate::posture::Rollout;
@@ -25,7 +25,7 @@ impl Repetitions {
         threshold_sensitivity(THRESHOLD_MOVE_DEG, |shift: &ThresholdShift| {
             let scored = |a: &PostureAngles| {
                 let sheet = shift.worksheet(a.trunk_neck(lens.neck), &a.arm, task, &lens.profile);
-                (rula(&sheet, &lens.profile), reba(&sheet, &lens.profile))
+                Sheet::of(&sheet, &lens.profile)
             };
             Sheets::of(self, scored).expected()
         })
@@ -41,11 +41,8 @@ impl Repetitions {
         let sheets = Sheets::of(self, |a| a.score(lens));
         let scored = Scored::from_sheets(self, &sheets);
         let scores = PerMethod::all(|m| {
-            let parts = match m {
-                ScoringMethod::Rula => rula_parts(&sheets.rula_steps(), lens),
-                ScoringMethod::Reba => parts(&reba_step_shares(&sheets.reba_steps())),
-            };
-            scored.report(m, parts)
+            let steps = steps_over_time(m, &sheets.0, &lens.profile);
+            scored.report(m, steps.iter().map(part).collect())
         })?;
         let exceeded: Vec<usize> =
             self.all.iter().filter_map(|w| w.rollout.reach_exceeded_at).collect();
@@ -89,21 +86,14 @@ impl Repetitions {
     }
 }
 
-fn rula_parts(steps: &[Vec<Option<RulaSteps>>], lens: &Lens) -> Vec<PartScore> {
-    let shares = parts(&rula_step_shares(steps, lens.profile.rula_table_a));
-    let rounded = |course: Vec<f64>| course.iter().map(|v| (1e3 * v).round() / 1e3).collect();
-    let with = |(part, course)| PartScore { over_time: rounded(course), ..part };
-    shares.into_iter().zip(rula_step_courses(steps)).map(with).collect()
-}
-
-fn parts(shares: &[StepShare]) -> Vec<PartScore> {
-    let part = |s: &StepShare| PartScore {
+fn part(step: &StepOverTime) -> PartScore {
+    let s = &step.share;
+    PartScore {
         part: s.step.into(),
         mean: s.mean,
         drives: s.drop,
         drives_se: s.drop_se,
         drives_share: s.drives_share,
-        over_time: Vec::new(),
-    };
-    shares.iter().map(part).collect()
+        over_time: step.course.iter().map(|v| (1e3 * v).round() / 1e3).collect(),
+    }
 }

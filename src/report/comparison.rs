@@ -65,7 +65,7 @@ pub struct ComparedPath {
     pub best_minus_this: Option<PairedDifference>,
 }
 
-/// This run's best path minus the best path of the run that it is held against, expected RULA.
+/// This run's best path minus the best path of the run that it is compared with, expected RULA.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunDifference {
     /// Body of the other run.
@@ -130,7 +130,7 @@ pub struct ComparedRun {
 /// Runs side by side, in the order in which they were named.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Name of the run that the others are held against; none where no run has a path.
+    /// Name of the run that the others are compared with; none where no run has a path.
     pub against: Option<String>,
     /// The runs.
     pub runs: Vec<ComparedRun>,
@@ -140,7 +140,7 @@ pub struct Comparison {
 pub type NamedRun = (String, Result<RunResult, String>);
 
 impl Comparison {
-    /// Compares runs. `against` names the run that the others are held against; without it, or where it
+    /// Compares runs. `against` names the run that the others are compared with; without it, or where it
     /// has no path, the first that has one.
     pub fn of(runs: &[NamedRun], against: Option<&str>) -> Self {
         let has_path = |run: &&NamedRun| run.1.as_ref().is_ok_and(|r| best(r).is_some());

@@ -1,8 +1,9 @@
-//! `comparison.html`: the runs ranked, held against one of them, by body size and path, and drawn.
+//! `comparison.html`: the runs ranked, compared with one of them, by body size and path, and drawn.
 
 use super::comparison::{ComparedPath, ComparedRun, Comparison, Role, RowState, RunDifference};
 use super::page::{document, ticked};
-use super::style::{RULA_LEVELS, css};
+use super::style::{css, method_levels};
+use crate::ergonomics::ScoringMethod;
 use crate::words::number::{change, percent, score};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -66,7 +67,7 @@ fn headline(comparison: &Comparison, done: &[&ComparedRun]) -> Markup {
             @if let Some(d) = of(first) {
                 @if d.clear { ": expected RULA " (change(d.mean)) " against " (against) "." }
                 @else { ", but not clearly lower than " (against) "." }
-            } @else if done.len() > 1 { "; the others are held against it." } @else { "; there is nothing to hold it against." }
+            } @else if done.len() > 1 { "; the others are compared with it." } @else { "; there is nothing to compare it with." }
         }
         @for run in done { @if differs(comparison, run) { p.warning {
             strong { "Not like for like: " } (run.name) " has another load or duration than " (against)
@@ -96,7 +97,7 @@ fn runs(comparison: &Comparison, rows: &[&ComparedRun]) -> Markup {
         }
         p.note {
             "Bars, RULA action levels from left to right: "
-            @for l in RULA_LEVELS { (l.number) " " (l.words) @if l.number < 4 { ", " } @else { "." } }
+            @for l in method_levels(ScoringMethod::Rula) { (l.number) " " (l.words) @if l.number < 4 { ", " } @else { "." } }
         }
         div.scroll tabindex="0" role="region" aria-label="Runs" { table {
             thead { tr {
@@ -160,17 +161,18 @@ fn whisker(d: &RunDifference, widest: f64) -> Markup {
 
 /// A stacked bar with its numbers as text.
 fn bar(path: &ComparedPath) -> Markup {
-    let shares = RULA_LEVELS.map(|l| (l, l.share(&path.rula_at_least)));
+    let levels = method_levels(ScoringMethod::Rula);
+    let shares: Vec<_> = levels.iter().map(|l| (l, l.share(&path.rula_at_least))).collect();
     html! {
         div.bar aria-hidden="true" {
-            @for (level, share) in shares {
-                @if share > 0.0 {
+            @for (level, share) in &shares {
+                @if *share > 0.0 {
                     span style={ "width:" (format!("{:.2}", 100.0 * share)) "%;background:" (css(level.color)) } {}
                 }
             }
         }
         span.small {
-            @for (level, share) in shares { (level.number) ": " (percent(share)) @if level.number < 4 { ", " } }
+            @for (level, share) in &shares { (level.number) ": " (percent(*share)) @if level.number < 4 { ", " } }
         }
     }
 }

@@ -60,7 +60,7 @@ fn row(
     let path = of.map(|(_, _, p)| p);
     let number = |f: fn(&ComparedPath) -> f64| path.map_or_else(String::new, |p| f(p).to_string());
     let own = path.and_then(|p| p.best_minus_this);
-    // The runs are held against each other by their best paths.
+    // The runs are compared by their best paths.
     let other =
         of.filter(|(_, _, p)| p.role == Role::Best).and_then(|(b, _, _)| b.against.as_ref());
     let text = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());

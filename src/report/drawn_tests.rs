@@ -3,12 +3,13 @@
 use super::drawn::{Figure, drawn, is_graph, is_scaled};
 use super::figure_paths::{bone_pen, robot_pen};
 use super::style::{
-    BEST, BLUE, FAINT, INK, MUTED, OWN, Pen, REBA_LEVELS, RULA_LEVELS, STRAIGHT, Stroke, tint,
+    BEST, BLUE, FAINT, INK, MUTED, OWN, Pen, STRAIGHT, Stroke, method_levels, tint,
 };
 use super::tests::{feasible, scenario_file};
 use super::value_axis::method_color;
 use super::view::View;
 use super::*;
+use crate::ergonomics::ScoringMethod;
 use crate::planner::{BodyScores, CandidateResult, look_at_cell};
 use crate::posture::Method;
 use crate::scenario::read_scenario;
@@ -48,7 +49,7 @@ fn scores_over_time_show_every_path_with_its_band() {
     // The best path's band is filled in both panels; the key of the legend has four corners.
     let bands = figure.areas(BEST.color).into_iter().filter(|a| a.len() > 4).count();
     assert_eq!(bands, 2);
-    for level in RULA_LEVELS.iter().chain(&REBA_LEVELS) {
+    for level in ScoringMethod::ALL.into_iter().flat_map(method_levels) {
         assert_eq!(figure.says(&format!("level {}: {}", level.number, level.words)), 1);
         assert!(!figure.areas(tint(level.color, 0.28)).is_empty());
     }
@@ -66,7 +67,7 @@ fn the_bars_of_levels_are_the_shares_of_time() {
     let view = View::of(feasible());
     let figure = drawn(|| figure_scores::levels(&view));
     let whole = 1250.0 - 330.0;
-    for level in RULA_LEVELS {
+    for level in method_levels(ScoringMethod::Rula) {
         let rows = figure_scores::level_rows(&view);
         let shares = rows.iter().map(|(_, b)| {
             let share = level.share(&b.rula().distribution.exposure);

@@ -112,7 +112,7 @@ fn draw(sheet: &Sheet, panel: &Panel, time_s: &[f64], joint: &JointCurves) -> Dr
     panel.axes(sheet, words, &y_ticks)?;
     let ((left, right), (top, _)) = (panel.x_px, panel.y_px);
     let muted = Type::plain(TICK).colored(MUTED);
-    let held = format!("90 % band holds {:.0} %", 100.0 * joint.held_90);
+    let held = format!("90 % band covers {:.0} %", 100.0 * joint.held_90);
     sheet.text(&held, (right, top - 20.0), muted, Anchor::Right)?;
     // Not bold: the bold j of this font runs into the letter after it.
     let plain = Type::plain(TICK);
@@ -130,7 +130,7 @@ fn note(curves: &HeldOutCurves, recording: &str, whose: &Learned) -> String {
          for judging {}. The law here was learned without that part ({}, {pull} the pull towards the \
          person's own postures). {} repetitions drawn from it follow the recorded hand path, all \
          from the recorded posture at the start. Shown are the joints with the largest recorded range, each on a \
-         scale of its own, with the share of the times after the start at which the 90 % band holds the \
+         scale of its own, with the share of the times after the start at which the 90 % band covers the \
          recorded angle; 90 % would be right on average.",
         whose.words(),
         curves.method.name(),

@@ -4,11 +4,11 @@ use super::ReportError;
 use super::panel::{Key, Panel, Words, legend, ticks};
 use super::sheet::{Anchor, Drawn, Sheet, Type, png};
 use super::style::{
-    BEST, BLUE, GRID, INK, LABEL, Level, MUTED, OWN, Pen, REBA_LEVELS, RULA_LEVELS, STRAIGHT,
-    Stroke, TICK, TITLE, tint,
+    BEST, BLUE, GRID, INK, LABEL, Level, MUTED, OWN, Pen, STRAIGHT, Stroke, TICK, TITLE,
+    method_levels, tint,
 };
 use super::view::View;
-use crate::ergonomics::{REBA_WORST, RULA_WORST, ScoreDistribution};
+use crate::ergonomics::ScoringMethod;
 use crate::planner::{BodyScores, CandidateResult};
 use crate::words::number::{percent, score};
 
@@ -26,8 +26,6 @@ fn compared<'a>(view: &View<'a>) -> Vec<(Pen, String, &'a CandidateResult)> {
     }
     all
 }
-
-type Pick = fn(&BodyScores) -> &ScoreDistribution;
 
 /// `figures/rula_over_time.png`.
 pub(super) fn over_time(view: &View) -> Result<Vec<u8>, ReportError> {
@@ -49,23 +47,20 @@ pub(super) fn over_time(view: &View) -> Result<Vec<u8>, ReportError> {
         let end = ends.fold(0.0, f64::max);
         let end = if end > 0.0 { end } else { view.result.setting.duration_s };
         let bottom = 1300.0 - 84.0;
-        let height = (bottom - top - 150.0) / 2.0;
-        let rula: Pick = |b| &b.rula().distribution;
-        let reba: Pick = |b| &b.reba().distribution;
-        let halves = [
-            ("RULA", top, RULA_WORST, &RULA_LEVELS[..], rula),
-            ("REBA", top + height + 150.0, REBA_WORST, &REBA_LEVELS[..], reba),
-        ];
-        for (name, top, worst, levels, pick) in halves {
+        let count = ScoringMethod::ALL.len() as f64;
+        let height = (bottom - top - 150.0 * (count - 1.0)) / count;
+        for (i, method) in ScoringMethod::ALL.into_iter().enumerate() {
+            let top = top + i as f64 * (height + 150.0);
+            let (name, worst) = (method.name(), method.worst());
             let panel = Panel {
                 x_px: (110.0, 1290.0),
                 y_px: (top, top + height),
                 x: (0.0, end),
                 y: (0.5, f64::from(worst) + 0.5),
             };
-            ground(sheet, &panel, levels)?;
+            ground(sheet, &panel, &method_levels(method))?;
             for (pen, _, candidate) in &compared {
-                curve(sheet, &panel, view, (*pen, candidate), pick)?;
+                curve(sheet, &panel, view, (*pen, candidate), method)?;
             }
             let title = format!("{name} over time, mean over repetitions");
             let side = format!("{name} score");
@@ -99,11 +94,11 @@ fn curve(
     panel: &Panel,
     view: &View,
     (pen, candidate): (Pen, &CandidateResult),
-    pick: Pick,
+    method: ScoringMethod,
 ) -> Drawn {
     let scores = candidate.bodies.iter().find(|b| Some(b.body.as_str()) == view.body);
     let (Some(scores), Some(path)) = (scores, &candidate.path) else { return Ok(()) };
-    let band = &pick(scores).band;
+    let band = &scores.scores[method].distribution.band;
     let points = |values: &[f64]| -> Vec<(f64, f64)> {
         path.time_s.iter().zip(values).map(|(t, v)| panel.at(*t, *v)).collect()
     };
@@ -133,7 +128,7 @@ pub(super) fn levels(view: &View) -> Result<Vec<u8>, ReportError> {
             None => "Share of time at each RULA action level".to_owned(),
         };
         sheet.text(&title, (30.0, 36.0), Type::bold(TITLE), Anchor::Left)?;
-        let keys: Vec<Key> = RULA_LEVELS
+        let keys: Vec<Key> = method_levels(ScoringMethod::Rula)
             .iter()
             .map(|l| {
                 Key::Field(l.color, format!("level {} (RULA {}): {}", l.number, l.range(), l.words))
@@ -196,7 +191,7 @@ fn level_bar(
     let bold = Type { bold: candidate.rank == Some(1), ..Type::plain(LABEL) };
     sheet.text(&name, (along(0.0) - 16.0, y), bold, Anchor::Right)?;
     let mut from = 0.0;
-    for level in RULA_LEVELS {
+    for level in method_levels(ScoringMethod::Rula) {
         let share = level.share(&body.rula().distribution.exposure);
         let (a, b) = (along(from), along(from + share));
         from += share;

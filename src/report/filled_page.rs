@@ -3,8 +3,8 @@
 use super::ReportError;
 use super::filled::{Group, TableRow, csv_text, reba_groups, rula_groups};
 use super::page::document;
-use super::style::{Level, REBA_LEVELS, RULA_LEVELS, css};
-use crate::ergonomics::{Profile, TaskInputs, reba_action_words, rula_action_words};
+use super::style::{Level, css, method_levels};
+use crate::ergonomics::{Profile, ScoringMethod, TaskInputs, reba_action_words, rula_action_words};
 use crate::scenario::Origin;
 use crate::scoring::{Frame, Input, MotionKind, ScoredSide, Summary, word};
 use maud::{Markup, PreEscaped, html};
@@ -95,14 +95,14 @@ fn page(picked: &Picked, frame: &Frame) -> String {
         section.method.verdict {
             h2 { "RULA" }
             (groups(&rula_groups(frame, &s.profile)))
-            (total("Grand score", rula.grand, rula.action_level, &RULA_LEVELS, rula_action_words(rula.action_level)))
+            (total("Grand score", rula.grand, rula.action_level, &method_levels(ScoringMethod::Rula), rula_action_words(rula.action_level)))
             @if picked.side.muscle.is_open() { (if_muscle_use(picked, frame)) }
             p.note.small { "RULA: Applied Ergonomics 24(2):91-99, 1993. Muscle use and force count in both groups." }
         }
         section.method {
             h2 { "REBA" }
             (groups(&reba_groups(frame, &s.profile)))
-            (total("Final score", reba.total, reba.action_level, &REBA_LEVELS, reba_action_words(reba.action_level)))
+            (total("Final score", reba.total, reba.action_level, &method_levels(ScoringMethod::Reba), reba_action_words(reba.action_level)))
             p.note.small { "REBA: Applied Ergonomics 31:201-205, 2000. Twist and side bend share one point." }
         }
         section {

@@ -5,7 +5,7 @@ use super::page_advice as advice;
 use super::page_evidence as evidence;
 use super::page_scene as scene;
 use super::page_scores as scores;
-use super::style::{RULA_LEVELS, css, method_levels};
+use super::style::{css, method_levels};
 use super::view::View;
 use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
 use crate::planner::{BodyScores, MethodScores, Severity};
@@ -175,7 +175,7 @@ fn verdict(view: &View) -> Markup {
             p.warning { strong { "Caution: " } (ticked(&caution)) }
         }
         (most_influential(view))
-        @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
+        @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(&words::setting::warning(warning))) } }
         @if view.lead.is_some() { p.note {
             "90 % band: nine out of ten repetitions lie within it. Standard error: how far the mean itself may be \
              off because only " (rollouts(view)) " repetitions were simulated. A repetition is one draw of how this one \
@@ -200,8 +200,8 @@ fn most_influential(view: &View) -> Markup {
         to.change.iter().map(|(m, c)| format!("{} by {}", m.name(), change(*c))).collect();
     html! {
         p {
-            "Most influential assumption: " (name) ", " (value) ". If it were " (words::cell::alternative(&to.to))
-            ", the expected scores would change: " (changed.join(", ")) "."
+            "Most influential assumption: " (name) " (" (value) "). With " (words::cell::alternative(&to.to))
+            " instead, the expected scores would change: " (changed.join(", ")) "."
         }
     }
 }
@@ -263,7 +263,8 @@ fn levels(view: &View, figures: &Figures) -> Markup {
         return html! { p { "No path was scored, so there is nothing to compare." } };
     };
     let described = view.scores(lead).map_or_else(String::new, |b| {
-        let shares = RULA_LEVELS.iter().map(|l| {
+        let levels = method_levels(ScoringMethod::Rula);
+        let shares = levels.iter().map(|l| {
             let share = l.share(&b.rula().distribution.exposure);
             format!("level {} {}", l.number, percent(share))
         });
@@ -330,7 +331,7 @@ fn curves(figures: &Figures) -> Markup {
         "RULA and REBA score over time of the compared paths, on a ground coloured by action level. The \
          table of paths gives the same scores as numbers.",
         "Line: mean over repetitions at each moment. Band: from the 5th to the 95th percentile; a score is \
-         a whole number, so the band moves in steps. Where the lines lie on each other, the paths score alike.",
+         a whole number, so the band moves in steps. Where the lines coincide, the paths score alike.",
     )
 }
 
@@ -344,7 +345,7 @@ fn parts(view: &View, figures: &Figures) -> Markup {
             "Bars of the mean RULA step score of each body part and of how much each drives the total; the \
              table below holds the same numbers.",
             "Left: mean score of each step of RULA. Right: how much lower the RULA total would be on \
-             average if this step alone were at its lowest. The right column says where a change pays.",
+             average if this step alone were at its lowest. The right column shows where a change would pay off.",
         ))
         (scores::parts(view))
         @if let Some(map) = &figures.parts_over_time {

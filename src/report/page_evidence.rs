@@ -369,7 +369,7 @@ fn planner(view: &View) -> Markup {
     html! {
         h3 { "Planner " (s.name) }
         dl.pairs {
-            dt { "Objective" } dd { (sum) " (as small as possible)" }
+            dt { "Objective" } dd { (sum) " (minimised)" }
             dt { "Candidates" }
             dd { (s.population * s.generations) " in " (s.generations) " generations, with " (s.vias) " via-points each (first typical bend " (s.sampled_offset_m) " m), beside the named ones (bend " (s.named_offset_m) " m)" }
             dt { "Steps of a path" } dd { (s.steps) }

@@ -2,9 +2,9 @@
 
 use super::ReportError;
 use super::figure_paths::role;
-use super::style::{Pen, RULA_LEVELS, Stroke, css};
+use super::style::{Pen, Stroke, css, method_levels};
 use super::view::{View, family_words};
-use crate::ergonomics::BandOverTime;
+use crate::ergonomics::{BandOverTime, ScoringMethod};
 use crate::planner::{CandidateResult, SceneMotion, SceneObstacle};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -116,7 +116,7 @@ pub(super) fn section(view: &View) -> Markup {
         p {
             "The robot, the person as a body of capsules, and the paths; in motion. The person shown is the \
              repetition nearest to the mean posture of all. Translucent ghosts are other repetitions, spread evenly \
-             over their ranking by RULA: how far postures differ between people and days."
+             over their ranking by RULA: how much this one person's posture varies."
         }
         noscript { p.note { "The scene needs scripts. The figures below show start and goal without them." } }
         p.note.scripted id="scene-status" role="status" { "The scene is being made \u{2026}" }
@@ -153,7 +153,7 @@ pub(super) fn section(view: &View) -> Markup {
             }
             p.note {
                 "The person has the colour of the RULA action level of the moment: "
-                @for (i, l) in RULA_LEVELS.iter().enumerate() {
+                @for (i, l) in method_levels(ScoringMethod::Rula).iter().enumerate() {
                     @if i > 0 { ", " }
                     span.swatch style={ "background:" (css(l.color)) } {} (l.number) " " (l.words)
                 }
@@ -199,7 +199,7 @@ pub(super) fn scripts(view: &View) -> Result<Markup, ReportError> {
         motions: paths.iter().filter_map(|(c, m)| page_motion(view, c, m)).collect(),
         facing: view.result.setting.facing,
         body: view.body.or(first.bodies.first().map(|b| b.body.as_str())).unwrap_or_default(),
-        levels: RULA_LEVELS
+        levels: method_levels(ScoringMethod::Rula)
             .iter()
             .map(|l| PageLevel {
                 number: l.number,

@@ -41,34 +41,26 @@ pub(super) struct Level {
     pub words: &'static str,
 }
 
-const fn level(number: u8, scores: (u8, u8), color: RGBColor, words: &'static str) -> Level {
-    Level { number, scores, color, words }
-}
-
-/// The action levels of RULA.
-pub(super) const RULA_LEVELS: [Level; 4] = [
-    level(1, (1, 2), GREEN, "acceptable"),
-    level(2, (3, 4), YELLOW, "look further"),
-    level(3, (5, 6), ORANGE, "change soon"),
-    level(4, (7, 7), VERMILION, "change now"),
-];
-
-/// The action levels of REBA.
-pub(super) const REBA_LEVELS: [Level; 5] = [
-    level(0, (1, 1), SKY, "negligible risk"),
-    level(1, (2, 3), GREEN, "low risk"),
-    level(2, (4, 7), YELLOW, "medium risk"),
-    level(3, (8, 10), ORANGE, "high risk"),
-    level(4, (11, 15), VERMILION, "very high risk"),
-];
-
 /// The action levels of a scoring method, from the lowest.
-pub(super) fn method_levels(method: ScoringMethod) -> &'static [Level] {
-    match method {
-        ScoringMethod::Rula => &RULA_LEVELS,
-        ScoringMethod::Reba => &REBA_LEVELS,
+pub(super) fn method_levels(method: ScoringMethod) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    for score in 1..=method.worst() {
+        let number = method.level(score);
+        match levels.last_mut().filter(|l| l.number == number) {
+            Some(level) => level.scores.1 = score,
+            None => levels.push(Level {
+                number,
+                scores: (score, score),
+                color: LEVEL_COLORS[usize::from(number).min(LEVEL_COLORS.len() - 1)],
+                words: method.level_short(number),
+            }),
+        }
     }
+    levels
 }
+
+/// By the number of an action level: the same colour asks for the same haste, whatever the method.
+const LEVEL_COLORS: [RGBColor; 5] = [SKY, GREEN, YELLOW, ORANGE, VERMILION];
 
 impl Level {
     /// Its scores as text: `5-6`, or `7`.

@@ -11,6 +11,7 @@ use super::paths::{UserPath, read_user_path};
 use super::plausible::{self, Doubt, LONGEST_S, name_fault, path_name_fault};
 use super::source::Source;
 use super::task::Task;
+use super::warning::Warning;
 use super::worker::{Worker, resolve_worker};
 use crate::ergonomics::Profile;
 use crate::files::{InputError, suggest};
@@ -19,8 +20,7 @@ use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, PathLimits, drawn};
 use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
-use serde::Serialize;
-use std::fmt;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 /// Angle between the worker's facing and the task from which it is told.
@@ -82,8 +82,8 @@ pub struct Scenario {
     pub drawn: Vec<Candidate>,
     /// What the planner may choose besides the path.
     pub free: Freedoms,
-    /// What the reader should know, one sentence each.
-    pub warnings: Vec<String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
 }
 
 pub(super) fn resolve(
@@ -112,15 +112,13 @@ pub(super) fn resolve(
     let (paths, drawn_paths) = resolve_paths(source, &file.path, &robot, [&start, &goal])?;
     let task = resolve_task(source, &file.task, &free, duration_s)?;
     if task.part_mass_kg > 0.0 && file.task.human_load_share.is_none() {
-        warnings.push(format!(
-            "task.human_load_share is not given: the worker is taken to carry the whole {} kg",
-            task.part_mass_kg
-        ));
+        warnings.push(Warning::WholeLoad { mass_kg: task.part_mass_kg });
     }
     let worker = resolve_worker(source, &file.worker)?;
     let grip = resolve_grip(source, &file.grip)?;
     let obstacles = resolve_obstacles(source, &file.obstacle)?;
-    warnings.extend(source.doubts.take().iter().map(Doubt::warning));
+    let doubtful = |doubt: Doubt| Warning::Doubtful { path: None, doubt };
+    warnings.extend(source.doubts.take().into_iter().map(doubtful));
     warnings.extend(paths.iter().flat_map(UserPath::warnings));
     let mut scenario = Scenario {
         name: file.name.into_inner(),
@@ -147,31 +145,17 @@ pub(super) fn resolve(
         warnings,
     };
     scenario.refuse_worker_inside(source, &file.worker.at_m)?;
-    let elsewhere: Vec<String> =
-        scenario.paths.iter().filter_map(|p| scenario.other_movement(p)).collect();
-    scenario.warnings.extend(elsewhere);
-    scenario.warnings.extend(scenario.faces_away().map(|away| away.to_string()));
+    scenario.warnings.extend(scenario.faces_away().map(Warning::FacesAway));
     Ok(scenario)
 }
 
 /// A worker who faces away from the task, as one does with a wrong sign in the file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FacesAway {
     /// Angle past the middle of the task, deg.
     pub off_deg: f64,
     /// `worker.facing_deg` that looks at it.
     pub wanted_deg: f64,
-}
-
-impl fmt::Display for FacesAway {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(
-            f,
-            "the worker looks {:.0} deg past the middle of the task; worker.facing_deg = {:.0} would look \
-             at it",
-            self.off_deg, self.wanted_deg
-        )
-    }
 }
 
 impl Scenario {

@@ -54,7 +54,7 @@ pub(super) struct ScenarioFile {
     /// Load, repetition and hold.
     #[serde(default)]
     pub task: TaskFile,
-    /// Your own paths: planned paths are held against them.
+    /// Your own paths: planned paths are compared with them.
     #[serde(default)]
     #[schemars(with = "Vec<PathFile>")]
     pub path: Vec<Spanned<PathFile>>,

@@ -7,6 +7,7 @@
 
 use super::check::Scenario;
 use super::plausible::{self, Doubt, LONGEST_S};
+use super::warning::Warning;
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex};
 use crate::math::{Pose, Vec3};
 use crate::robot::{JointTrajectory, Robot, tcp_poses};
@@ -34,17 +35,13 @@ pub struct UserPath {
 }
 
 impl UserPath {
-    /// What the reader should know of it, a sentence each.
-    pub fn warnings(&self) -> Vec<String> {
-        let of_file = |d: &Doubt| format!("path `{}`, {}", self.name, d.warning());
-        let mut all: Vec<String> = self.doubts.iter().map(of_file).collect();
+    /// What the reader should know of it.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let path = || self.name.clone();
+        let of_file = |d: &Doubt| Warning::Doubtful { path: Some(path()), doubt: d.clone() };
+        let mut all: Vec<Warning> = self.doubts.iter().map(of_file).collect();
         if self.joints.is_none() {
-            all.push(format!(
-                "path `{}` gives only the TCP: the postures of the arm along it are chosen here, and its \
-                 distances to people and things may differ from those under your controller; columns with \
-                 the robot's joints would fix them",
-                self.name
-            ));
+            all.push(Warning::OnlyTcp { path: path() });
         }
         all
     }
@@ -68,18 +65,8 @@ impl Scenario {
         }
         let path = read_user_path(&name, file, &self.robot, Some([&self.start, &self.goal]))?;
         self.warnings.extend(path.warnings());
-        self.warnings.extend(self.other_movement(&path));
         self.paths.push(path);
         Ok(())
-    }
-
-    /// That a path is not from start to goal, in a sentence.
-    pub(super) fn other_movement(&self, path: &UserPath) -> Option<String> {
-        let ends = self.end_mismatch(&path.path)?;
-        Some(format!(
-            "path `{}` {ends}: it is another movement, so it is scored but compared with no other path",
-            path.name
-        ))
     }
 }
 

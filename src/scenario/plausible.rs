@@ -8,7 +8,7 @@ use crate::files::{InputError, NumericTable};
 use crate::math::Pose;
 use crate::robot::Robot;
 use nalgebra::{Quaternion, UnitQuaternion};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::path::Path;
@@ -51,7 +51,7 @@ const OUR_NAMES: [&str; 11] = [
 ];
 
 /// Something in an input that looks like a mistake.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Doubt {
     /// A turning joint far beyond its limits.

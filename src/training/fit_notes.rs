@@ -54,11 +54,11 @@ pub(super) fn notes(
             .beyond_range
             .iter()
             .map(|b| {
-                let share = 100.0 * b.frames_share;
-                format!(
-                    "{} by up to {:.0} deg in {share:.0} % of the frames",
-                    b.joint, b.largest_deg
-                )
+                let share = match 100.0 * b.frames_share {
+                    share if share < 1.0 => "less than 1 %".to_owned(),
+                    share => format!("{share:.0} %"),
+                };
+                format!("{} by up to {:.1} deg in {share} of the frames", b.joint, b.largest_deg)
             })
             .collect();
         notes.push(format!(

@@ -94,14 +94,14 @@ pub fn cell_change(c: &CellChange) -> String {
                 (true, false) => format!("lower the seat by {cm:.0} cm"),
             }
         }
-        CellChange::TurnWorker(by) => {
+        CellChange::TurnWorker { by_rad: by } => {
             let side = if *by > 0.0 { "left" } else { "right" };
             format!("turn the worker by {:.0} deg to the {side}", by.to_degrees().abs())
         }
-        CellChange::TurnHandle(by) => {
+        CellChange::TurnHandle { by_rad: by } => {
             format!("turn the handle on the tool by {:+.0} deg about its bar", by.to_degrees())
         }
-        CellChange::HalveLoad(kg) => {
+        CellChange::HalveLoad { load_kg: kg } => {
             format!("let the robot carry half of the load ({kg:.1} kg now)")
         }
     }
@@ -113,5 +113,26 @@ pub fn moment(kind: MomentKind) -> &'static str {
         MomentKind::TypicalAtHardest => "typical posture at the hardest moment",
         MomentKind::HeldLongest => "posture that a typical repetition holds longest",
         MomentKind::Hardest => "hardest posture of all repetitions",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_change_of_the_cell_is_written_and_read_back() {
+        let (by_m, seated) = (0.05, false);
+        for change in [
+            CellChange::MoveWorker { way: Way::Nearer, by_m, seated },
+            CellChange::RaiseWorker { by_m, seated },
+            CellChange::TurnWorker { by_rad: -0.2 },
+            CellChange::TurnHandle { by_rad: 0.1 },
+            CellChange::HalveLoad { load_kg: 1.5 },
+        ] {
+            let text = serde_json::to_string(&change).unwrap();
+            assert_eq!(serde_json::from_str::<CellChange>(&text).unwrap(), change, "{text}");
+            assert!(!cell_change(&change).is_empty());
+        }
     }
 }

@@ -118,7 +118,7 @@ fn assumption(result: &RunResult, index: usize, then: f64) -> String {
     let (name, value) = input(&i.input);
     let to = i.if_changed.as_ref().map(|c| alternative(&c.to)).unwrap_or_default();
     format!(
-        "Assumed, not predicted: {name}, {value}. With {to} instead, expected RULA would be {}.",
+        "Assumed, not predicted: {name} ({value}). With {to} instead, expected RULA would be {}.",
         score(then)
     )
 }

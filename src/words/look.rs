@@ -17,7 +17,7 @@ pub fn sentence(finding: &CellFinding) -> String {
             )
         }
         CellFinding::TooQuick { duration_s, shortest_s } => format!(
-            "{duration_s} s is too short for this movement: with these limits of the TCP the straight way \
+            "{duration_s} s is too short for this movement: with these limits of the TCP the straight path \
              alone takes at least {shortest_s:.2} s"
         ),
         CellFinding::RobotOutOfReach(r) => format!(
@@ -32,41 +32,41 @@ pub fn sentence(finding: &CellFinding) -> String {
             r.nearest.as_deref().unwrap_or("robot and obstacle")
         ),
         CellFinding::ObstaclesUnchecked => {
-            "distances between robot and obstacles are not checked: the \
-                                            robot's description has no simple collision shapes"
+            "distances between robot and obstacles are not checked: the robot's description has no \
+             simple collision shapes"
                 .to_owned()
         }
         CellFinding::RobotStopped(why, at) => {
             format!(
-                "the robot cannot follow the straight way beyond {}: {}",
+                "the robot cannot follow the straight path beyond {}: {}",
                 percent(*at),
                 no_motion(why)
             )
         }
-        CellFinding::RobotTouchesOnTheWay(what) => format!("on the straight way {what} touch"),
+        CellFinding::RobotTouchesOnTheWay(what) => format!("on the straight path {what} touch"),
         CellFinding::HandOutOfReach(h) => {
             let nearer = if h.gap_m > 1e-3 {
                 format!("it would have to be {:.0} mm nearer", 1e3 * h.gap_m)
             } else {
                 "the place is within reach, but not with the grip turned like that".to_owned()
             };
-            format!("the hand of `{}` does not get to the {}: {nearer}", h.body, h.end)
+            format!("the hand of `{}` does not reach the {}: {nearer}", h.body, h.end)
         }
         CellFinding::HandAtItsEnd(h) => format!(
-            "only {} of {} start postures of `{}` reach the {}: it is near the end of what the hand reaches",
+            "only {} of {} start postures of `{}` reach the {}: it is near the limit of reach in this orientation",
             h.reached, h.tries, h.body, h.end
         ),
         CellFinding::HandLeftBehind(h) => {
             let from = h.lost_from.filter(|at| *at > 0.0).map_or_else(String::new, |at| {
-                format!(", the first of the others gives up after {} of the time", percent(at))
+                format!(", the first of the others is lost after {} of the time", percent(at))
             });
             format!(
-                "only {} of {} repetitions of `{}` follow the straight way to the goal{from}",
+                "only {} of {} repetitions of `{}` follow the straight path to the goal{from}",
                 h.followed, h.tries, h.body
             )
         }
         CellFinding::Unsupported(h) => format!(
-            "{} of the straight way is beyond what the posture model of `{}` was trained on: its postures \
+            "{} of the straight path is beyond what the posture model of `{}` was trained on: its postures \
              there are guesses",
             percent(h.unsupported),
             h.body
@@ -114,13 +114,13 @@ pub fn lines(look: &CellLook) -> Vec<String> {
     }
     if let Some(shortest_s) = look.shortest_s {
         all.push(format!(
-            "straight way: takes at least {shortest_s:.2} s under the limits of the TCP; {} s are allowed",
+            "straight path: takes at least {shortest_s:.2} s under the limits of the TCP; the scenario gives {} s",
             look.duration_s
         ));
     }
     for h in &look.along {
         all.push(format!(
-            "straight way: {} of {} repetitions of `{}` follow it to the goal; {} of it is beyond the training \
+            "straight path: {} of {} repetitions of `{}` follow it to the goal; {} of it is beyond the training \
              data, {} of the start postures are unusual",
             h.followed,
             h.tries,
@@ -134,7 +134,7 @@ pub fn lines(look: &CellLook) -> Vec<String> {
             (Some(clearance), Some(what)) => format!("; {:.0} mm of room: {what}", 1e3 * clearance),
             _ => String::new(),
         };
-        all.push(format!("straight way: the robot follows it{room}"));
+        all.push(format!("straight path: the robot follows it{room}"));
     }
     all
 }

@@ -20,7 +20,13 @@ pub fn path_name(c: &CandidateResult) -> String {
         Family::BestRandom | Family::SinglePosturePlain | Family::SinglePostureLearned => {
             family(c.family).to_owned()
         }
-        Family::Held => format!("{}, planned with less freedom", bend_words(c)),
+        Family::Held => {
+            let fixed = match c.id.strip_prefix("without ") {
+                None | Some("any freedom") => "nothing but the path free".to_owned(),
+                Some(freedom) => format!("the {freedom} fixed"),
+            };
+            format!("{}, planned with {fixed}", bend_words(c))
+        }
         Family::Lifted | Family::Lowered | Family::TowardBody | Family::Away | Family::Sampled => {
             bend_words(c)
         }
@@ -86,7 +92,7 @@ pub fn family(family: Family) -> &'static str {
         Family::BestRandom => "best of the random paths",
         Family::SinglePosturePlain => "one-posture plan, plain pseudo-inverse",
         Family::SinglePostureLearned => "one-posture plan, learned model",
-        Family::Held => "planned with less freedom",
+        Family::Held => "planned with a freedom fixed",
     }
 }
 

@@ -14,7 +14,7 @@ pub fn refusal(why: &Refusal) -> String {
         Refusal::Robot(why) => no_motion(why),
         Refusal::Start { residual_m: Some(m), residual_rad: Some(rad) } => format!(
             "the start is out of the robot's reach (nearest {:.0} mm and {:.1} deg off); what would \
-             help: another place of the start or of the robot's base",
+             help: a start or a robot base in another place",
             1e3 * m,
             rad.to_degrees()
         ),

@@ -60,7 +60,7 @@ pub fn hint(hint: &Hint) -> String {
             format!("What would help the straight path, each alone and tried: {}.", listed(changes))
         }
         Hint::Unreached { body, end: which, failed, tries } => format!(
-            "The hand of body `{body}` does not get to the {} with the grip turned as asked ({failed} of \
+            "The hand of body `{body}` does not reach the {} with the grip turned as asked ({failed} of \
              {tries} start postures fail).",
             end(*which)
         ),
@@ -102,7 +102,7 @@ mod tests {
             Hint::Unreached { body: "she".to_owned(), end: End::Goal, failed: 7, tries: 8 };
         assert_eq!(
             hint(&unreached),
-            "The hand of body `she` does not get to the goal with the grip turned as asked (7 of 8 start \
+            "The hand of body `she` does not reach the goal with the grip turned as asked (7 of 8 start \
              postures fail)."
         );
     }

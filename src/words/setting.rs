@@ -3,6 +3,7 @@
 use crate::human::Stance;
 use crate::planner::{BodyFacts, ModelSummary, NotModelled, Setting, StartKind, WorkerFacts};
 use crate::posture::Hold;
+use crate::scenario::{EndMismatch, Warning};
 
 /// A body with its size.
 pub fn body(b: &BodyFacts) -> String {
@@ -78,4 +79,34 @@ pub fn not_modelled(n: NotModelled) -> &'static str {
         }
         NotModelled::OtherArm => "the other arm: unknown and not scored",
     }
+}
+
+/// What the reader of a scenario should know.
+pub fn warning(w: &Warning) -> String {
+    match w {
+        Warning::WholeLoad { mass_kg } => format!(
+            "task.human_load_share is not given: the worker is assumed to carry the whole {mass_kg} kg"
+        ),
+        Warning::Doubtful { path: None, doubt } => doubt.warning(),
+        Warning::Doubtful { path: Some(path), doubt } => {
+            format!("path `{path}`, {}", doubt.warning())
+        }
+        Warning::OnlyTcp { path } => format!(
+            "path `{path}` gives only the TCP: the arm's postures along it are chosen here, and its distances \
+             to people and things may differ from those under your controller; columns with the robot's \
+             joints would fix them"
+        ),
+        Warning::FacesAway(away) => format!(
+            "the worker faces {:.0} deg away from the middle of the task; worker.facing_deg = {:.0} would \
+             face it",
+            away.off_deg, away.wanted_deg
+        ),
+    }
+}
+
+/// That a user's path is another movement than the scenario's.
+pub fn other_movement(path: &str, ends: &EndMismatch) -> String {
+    format!(
+        "path `{path}` {ends}: it is another movement, so it is scored but compared with no other path"
+    )
 }

@@ -1,7 +1,7 @@
 //! The decision in words.
 
 use super::finding::finding;
-use super::number::{percent, score};
+use super::number::{change, percent, score};
 use super::paths::path_and_id;
 use crate::ergonomics::{PairedDifference, ScoringMethod};
 use crate::path::Family;
@@ -39,7 +39,10 @@ pub fn headline(result: &RunResult) -> String {
             let why = if beyond >= starts {
                 format!("{} of the path lies beyond what was recorded", percent(beyond))
             } else {
-                format!("{} of the start postures are hardly ever seen in them", percent(starts))
+                format!(
+                    "{} of the start postures are hardly ever seen in the recordings",
+                    percent(starts)
+                )
             };
             format!(
                 "Not supported by the recordings: for {body}, {why}. No path is called the best"
@@ -98,6 +101,7 @@ pub fn gain(result: &RunResult) -> Option<String> {
     let body = for_body(result, &gain.body);
     let parts = match (route, timing) {
         (Some(_), None) if !same_timing(result) => String::new(),
+        (Some(_), None) if !together.clear => "; both keep the same timing".to_owned(),
         (Some(_), None) => {
             "; all of the difference comes from the route, as both keep the same timing".to_owned()
         }
@@ -122,11 +126,12 @@ fn same_timing(result: &RunResult) -> bool {
 /// A gain (positive: lower score) with its interval.
 pub fn lower(d: &PairedDifference) -> String {
     let [low, high] = [d.low95, d.high95];
+    if [d.mean, low, high].iter().all(|v| v.abs() < 0.005) {
+        return "the same".to_owned();
+    }
     if !d.clear {
-        return format!(
-            "not clearly different ({:+.2}, 95 % interval {:+.2} to {:+.2})",
-            -d.mean, -high, -low
-        );
+        let [mean, low, high] = [-d.mean, -high, -low].map(change);
+        return format!("not clearly different ({mean}, 95 % interval {low} to {high})");
     }
     if d.mean > 0.0 {
         format!("{:.2} lower (95 % interval {low:.2} to {high:.2})", d.mean)

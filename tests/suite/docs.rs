@@ -1,5 +1,6 @@
 //! The guide says what is so: links lead somewhere, commands have the options that they are shown with,
-//! and the tables of keys are those of the formats.
+//! the tables of keys are those of the formats, and figures are those that the program showed
+//! (`docs/figures.json`; `docs/figures.py` measures them again).
 
 use crate::common::ergopath;
 use serde_json::Value;
@@ -207,4 +208,177 @@ fn assert_tables(kind: &str, page: &str, tables: &[(&str, &str)]) {
 fn the_tables_of_keys_are_those_of_the_formats() {
     assert_tables("scenario", "scenarios.md", &SCENARIO_TABLES);
     assert_tables("planner", "planners.md", &PLANNER_TABLES);
+}
+
+/// What `docs/figures.py` measured: groups of steps, values and transcripts.
+fn figures() -> Value {
+    serde_json::from_str(&read(&root().join("docs/figures.json"))).unwrap()
+}
+
+/// Names and texts of the figures of a page: `<!--f:NAME-->TEXT<!--/f-->`.
+fn marked(text: &str) -> Vec<(&str, &str)> {
+    let of = |rest| {
+        let (figure, _) = str::split_once(rest, "<!--/f-->")?;
+        figure.split_once("-->")
+    };
+    let parts = text.split("<!--f:").skip(1);
+    parts.map(|rest| of(rest).unwrap_or_else(|| panic!("{rest}: a figure without end"))).collect()
+}
+
+/// Names and lines of the transcripts of a page: the fence below `<!--out:NAME-->`.
+fn transcripts(text: &str) -> Vec<(&str, Vec<&str>)> {
+    let mut found = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let inner = line.trim().strip_prefix("<!--out:");
+        let Some(name) = inner.and_then(|rest| rest.strip_suffix("-->")) else { continue };
+        let indent = line.len() - line.trim_start().len();
+        assert_eq!(lines.next().map(str::trim), Some("```text"), "{name}: no fence below it");
+        let within = lines.by_ref().take_while(|l| l.trim() != "```");
+        found.push((name, within.map(|l| l.get(indent..).unwrap_or_default()).collect()));
+    }
+    found
+}
+
+/// The strings of a list.
+fn strings(list: &Value) -> Vec<&str> {
+    list.as_array().into_iter().flatten().map(|s| s.as_str().unwrap()).collect()
+}
+
+/// The entry of a figure or transcript, `GROUP.NAME`.
+fn entry<'a>(figures: &'a Value, kind: &str, name: &str) -> &'a Value {
+    let (group, key) = name.split_once('.').unwrap_or_else(|| panic!("{name} has no group"));
+    &figures[group][kind][key]
+}
+
+#[test]
+fn figures_of_the_guide_are_those_that_were_measured() {
+    let figures = figures();
+    let mut used = BTreeSet::new();
+    for page in pages() {
+        let (text, at) = (read(&page), page.display());
+        for (name, shown) in marked(&text) {
+            let measured = &entry(&figures, "values", name)["text"];
+            assert_eq!(measured.as_str(), Some(shown), "{at}: {name}");
+            used.insert(name.to_owned());
+        }
+        for (name, shown) in transcripts(&text) {
+            let measured = strings(&entry(&figures, "transcripts", name)["text"]);
+            assert_eq!(measured, shown, "{at}: {name}");
+            used.insert(name.to_owned());
+        }
+    }
+    let known: BTreeSet<String> = figures
+        .as_object()
+        .unwrap()
+        .iter()
+        .flat_map(|(group, parts)| {
+            let kinds = ["values", "transcripts"].into_iter();
+            let kinds = kinds.filter_map(move |kind| parts[kind].as_object());
+            kinds.flat_map(serde_json::Map::keys).map(move |key| format!("{group}.{key}"))
+        })
+        .collect();
+    assert_eq!(used, known, "figures on the pages, and those that were measured");
+    assert!(used.len() > 60, "{}", used.len());
+}
+
+/// Runs a step of a group in a folder: a call of the program, or a file with other words in it.
+fn make(step: &Value, room: &Path) {
+    let placed = |name: &str| name.replace("REPO/", &format!("{}/", root().display()));
+    let call = strings(&step["run"]);
+    if call.is_empty() {
+        let mut text = read(&room.join(placed(step["from"].as_str().unwrap())));
+        for pair in step["replace"].as_array().unwrap() {
+            let [old, new] = strings(pair)[..] else { panic!("{pair} is no pair") };
+            assert!(text.contains(old), "{step}: `{old}` is missing");
+            text = text.replacen(old, new, 1);
+        }
+        std::fs::write(room.join(step["to"].as_str().unwrap()), text).unwrap();
+        return;
+    }
+    let words = call.into_iter().map(placed);
+    let done = ergopath().current_dir(room).args(words).assert().success();
+    if let Some(file) = step["stdout"].as_str() {
+        std::fs::write(room.join(file), &done.get_output().stdout).unwrap();
+    }
+}
+
+/// What a pointer leads to; a part `key=value` picks the entry of a list.
+fn found<'a>(value: &'a Value, at: &str) -> &'a Value {
+    at.trim_start_matches('/').split('/').fold(value, |value, part| {
+        let Some(entries) = value.as_array() else { return &value[part] };
+        let entry = match part.split_once('=') {
+            Some((key, wanted)) => entries.iter().find(|e| plain(&e[key]) == wanted),
+            None => part.parse::<usize>().ok().and_then(|i| entries.get(i)),
+        };
+        entry.unwrap_or_else(|| panic!("{at}: there is no {part}"))
+    })
+}
+
+/// A number, or a text without its quotation marks.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// A figure is what the program says now, to a unit of its last digit: another processor may round
+/// differently, which can move a frame over a threshold.
+fn assert_fresh(name: &str, rule: &Value, room: &Path) {
+    let file = read(&room.join(rule["file"].as_str().unwrap()));
+    let source: Value = serde_json::from_str(&file).unwrap();
+    let (fresh, said) = (found(&source, rule["at"].as_str().unwrap()), plain(&rule["text"]));
+    let Some(digits) = rule["digits"].as_i64() else {
+        assert_eq!(plain(fresh), said, "{name}");
+        return;
+    };
+    let fresh = fresh.as_f64().unwrap() * rule["times"].as_f64().unwrap_or(1.0);
+    let unit = 10_f64.powi(-i32::try_from(digits).unwrap());
+    let off = (fresh - said.parse::<f64>().unwrap()).abs();
+    assert!(off < 1.01 * unit, "{name}: {said} became {fresh}; run docs/figures.py");
+}
+
+/// The lines of an output that a transcript keeps.
+fn kept(rule: &Value, output: &str) -> Vec<String> {
+    let mut lines = output.lines();
+    let mut next = |prefix: &str| {
+        let line = lines.find(|l| l.starts_with(prefix));
+        line.unwrap_or_else(|| panic!("no further line begins with `{prefix}`")).to_owned()
+    };
+    let prefixes = strings(&rule["keep"]).into_iter();
+    prefixes.map(|p| if p.is_empty() { String::new() } else { next(p) }).collect()
+}
+
+/// The words of a line, without figures and bars.
+fn shape(line: &str) -> Vec<&str> {
+    let is_figure = |w: &str| w.chars().any(|c| c.is_ascii_digit() || c == '█' || c == '·');
+    line.split_whitespace().map(|w| if is_figure(w) { "#" } else { w }).collect()
+}
+
+#[test]
+fn cheap_figures_are_still_those_of_the_program() {
+    let room = tempfile::tempdir().unwrap();
+    let figures = figures();
+    let (mut values, mut texts) = (0, 0);
+    for (group, parts) in figures.as_object().unwrap() {
+        if parts["cheap"].as_bool() != Some(true) {
+            continue;
+        }
+        for step in parts["steps"].as_array().unwrap() {
+            make(step, room.path());
+        }
+        for (name, rule) in parts["values"].as_object().into_iter().flatten() {
+            assert_fresh(&format!("{group}.{name}"), rule, room.path());
+            values += 1;
+        }
+        for (name, rule) in parts["transcripts"].as_object().into_iter().flatten() {
+            let output = read(&room.path().join(rule["file"].as_str().unwrap()));
+            let fresh = kept(rule, &output.replace('\u{a0}', " "));
+            let said = strings(&rule["text"]);
+            assert_eq!(fresh.len(), said.len(), "{group}.{name}");
+            for (now, then) in fresh.iter().zip(said) {
+                assert_eq!(shape(now), shape(then), "{group}.{name}; run docs/figures.py");
+            }
+            texts += 1;
+        }
+    }
+    assert!(values > 20 && texts > 4, "{values} values, {texts} transcripts");
 }

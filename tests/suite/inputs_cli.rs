@@ -12,7 +12,7 @@ const GOAL: [f64; 3] = [0.45, 0.25, 1.25];
 /// Orientation of both ends: roll 180 deg, w first.
 const DOWN: [f64; 4] = [0.0, 1.0, 0.0, 0.0];
 
-/// The straight way of the shared workplace in 21 rows, each changed by `edit`.
+/// The straight path of the shared workplace in 21 rows, each changed by `edit`.
 fn path_text(edit: impl Fn(f64, &mut [f64; 8])) -> String {
     let mut text = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n".to_owned();
     for k in 0..=20 {
@@ -268,7 +268,7 @@ fn a_free_duration_is_kept_and_no_bend_is_a_straight_path() {
         let last = times.last().unwrap().as_f64().unwrap();
         assert!((2.5 - 1e-9..=3.0 + 1e-9).contains(&last), "{} {last}", c["id"]);
     }
-    assert!(quick["warnings"].to_string().contains("outside free.duration_s"));
+    assert_eq!(quick["warnings"][0]["doubt"]["kind"], "duration_outside_range");
     let tiny = std::fs::read_to_string(room.path().join("tiny.toml")).unwrap();
     let tiny = tiny.replace("sampled_offset_m = 0.1", "sampled_offset_m = 0");
     std::fs::write(room.path().join("tiny.toml"), tiny).unwrap();
@@ -290,7 +290,7 @@ fn check_finds_what_plan_would() {
     assert_eq!(code, 3);
     assert!(lines(&quick, "errors").contains("0.4 s is too short for this movement"), "{quick}");
     let (away, _) = of("facing_deg = 0 ", "facing_deg = 173 ");
-    assert!(lines(&away, "warnings").contains("past the middle of the task"), "{away}");
+    assert!(lines(&away, "warnings").contains("away from the middle of the task"), "{away}");
     let (outside, code) = of("min_m = [0.25, -0.60, 0.80]", "min_m = [0.25, -0.30, 0.80]");
     assert_eq!(code, 3);
     let said = lines(&outside, "errors");

@@ -13,6 +13,7 @@
 mod common;
 mod skips;
 
+mod agreement;
 mod check_cli;
 mod compare_cli;
 mod docs;

@@ -1,0 +1,179 @@
+//! The recordings of one person, read and fitted: what a model is learned from.
+
+use super::dataset::{Dataset, Trial};
+use super::fit::{FitSettings, fit};
+use super::fit_report::FitReport;
+use super::motion_file::read_motion;
+use crate::files::InputError;
+use crate::human::{Body, Side};
+use crate::posture::Provenance;
+use crate::recording::read;
+use std::path::{Path, PathBuf};
+
+/// Whom to look for in recordings.
+#[derive(Debug, Clone, Copy)]
+pub struct Whom<'a> {
+    /// Which person of a recording with several.
+    pub person: Option<&'a str>,
+    /// The hand that holds on to the robot.
+    pub side: Side,
+    /// The person's body.
+    pub body: &'a Body,
+}
+
+/// What one recording gave.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// Name of the file or folder.
+    pub name: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+    /// Whether the movements are of a simulated operator.
+    pub simulated: bool,
+    /// The movements.
+    pub trials: Vec<Trial>,
+    /// How the joint angles came about.
+    pub angles: Angles,
+    /// What looks odd in it.
+    pub notes: Vec<String>,
+}
+
+/// How joint angles came about.
+#[derive(Debug, Clone)]
+pub enum Angles {
+    /// A body was fitted to recorded segments.
+    Fitted {
+        /// Kind of the recording.
+        format: &'static str,
+        /// Frames per second.
+        rate_hz: f64,
+        /// How well.
+        report: Box<FitReport>,
+    },
+    /// They were given.
+    Given {
+        /// Cut-off of the low-pass filter, Hz; none where the rate is too low for one.
+        cutoff_hz: Option<f64>,
+    },
+}
+
+impl Source {
+    /// How well the body fits; none where the angles were given.
+    pub fn fit(&self) -> Option<&FitReport> {
+        match &self.angles {
+            Angles::Fitted { report, .. } => Some(report),
+            Angles::Given { .. } => None,
+        }
+    }
+}
+
+/// Reads all recordings of one person and makes them one data set.
+///
+/// # Errors
+/// Where a recording cannot be read or fitted, is given twice, or where simulated and real movements
+/// would be mixed.
+pub fn read_person(
+    recordings: &[PathBuf],
+    whom: &Whom,
+) -> Result<(Vec<Source>, Dataset), InputError> {
+    let sources: Result<Vec<Source>, InputError> =
+        recordings.iter().map(|path| read_source(path, whom)).collect();
+    let sources = sources?;
+    refuse_mixture(&sources)?;
+    let trials: Vec<Trial> = sources.iter().flat_map(|s| s.trials.clone()).collect();
+    let dataset = Dataset::new(&trials, whom.body, whom.side)?;
+    Ok((sources, dataset))
+}
+
+/// Reads a recording and fits the body to it, or takes the joint angles of a file.
+///
+/// # Errors
+/// Where it cannot be read, or the person is not in it.
+pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
+    let is_csv = path.extension().is_some_and(|x| x.eq_ignore_ascii_case("csv"));
+    if is_csv && !path.is_dir() {
+        return from_angles(path, whom);
+    }
+    let recording = read(path, whom.person)?;
+    let motion = fit(&recording, whom.body, whom.side, &FitSettings::default())?;
+    let report = motion.report.clone();
+    let notes = recording.notes.iter().chain(&report.notes);
+    Ok(Source {
+        notes: notes.map(|n| format!("{}: {n}", recording.source)).collect(),
+        name: recording.source.clone(),
+        sha256: recording.sha256.clone(),
+        simulated: false,
+        trials: vec![Trial::from(&motion)],
+        angles: Angles::Fitted {
+            format: recording.format,
+            rate_hz: recording.rate_hz,
+            report: Box::new(report),
+        },
+    })
+}
+
+fn from_angles(path: &Path, whom: &Whom) -> Result<Source, InputError> {
+    if let Some(person) = whom.person {
+        let message = format!("holds joint angles of one person, so `{person}` cannot be picked");
+        return Err(InputError::new(path, message).remedy("leave out --person for CSV files"));
+    }
+    let file = read_motion(path, whom.body, whom.side)?;
+    Ok(Source {
+        name: file.source,
+        sha256: file.sha256,
+        simulated: file.simulated,
+        trials: file.trials,
+        angles: Angles::Given { cutoff_hz: file.cutoff_hz },
+        notes: Vec::new(),
+    })
+}
+
+/// Simulated and real movements must not make one model.
+fn refuse_mixture(sources: &[Source]) -> Result<(), InputError> {
+    let simulated = sources.iter().filter(|s| s.simulated).count();
+    if let Some(real) = sources.iter().find(|s| !s.simulated && simulated > 0) {
+        return Err(InputError::new(
+            &real.name,
+            "is a recording of a person, and another is of a simulated operator: one model would mix them",
+        )
+        .remedy("train them apart"));
+    }
+    for (i, source) in sources.iter().enumerate() {
+        if sources[..i].iter().any(|s| s.sha256 == source.sha256) {
+            return Err(InputError::new(&source.name, "is given twice")
+                .remedy("a recording that is also held out would make the scores too good"));
+        }
+    }
+    Ok(())
+}
+
+/// What a model of these recordings was made from and how.
+pub fn provenance(sources: &[Source], whom: &Whom) -> Provenance {
+    let fits = sources.iter().any(|s| s.fit().is_some());
+    let mut settings = vec![("cutoff_hz".to_owned(), FitSettings::default().cutoff_hz.to_string())];
+    if fits {
+        let fit = FitSettings::default();
+        for (name, value) in [
+            ("orientation_sd_deg", fit.orientation_sd_deg),
+            ("axial_sd_deg", fit.axial_sd_deg),
+            ("tilt_sd_deg", fit.tilt_sd_deg),
+            ("limit_slack_deg", fit.limit_slack_deg),
+            ("hand_sd_mm", fit.hand_sd_mm),
+            ("sharing_sd_deg", fit.sharing_sd_deg),
+            ("previous_sd_deg", fit.previous_sd_deg),
+        ] {
+            settings.push((format!("fit_{name}"), value.to_string()));
+        }
+    }
+    if let Some(person) = whom.person {
+        settings.push(("person".to_owned(), person.to_owned()));
+    }
+    Provenance {
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        simulated: sources.iter().any(|s| s.simulated),
+        recordings: sources.iter().map(|s| (s.name.clone(), s.sha256.clone())).collect(),
+        body: (whom.body.name.clone(), whom.body.sha256()),
+        settings,
+        notes: sources.iter().flat_map(|s| s.notes.clone()).collect(),
+    }
+}
