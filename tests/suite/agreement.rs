@@ -98,7 +98,7 @@ fn figures_agree(terminal: &str, page: &str, result: &Value, table: &Path) {
         let shared = [
             two(&rula["expected"]),
             format!("{} to {}", two(&rula["p05"]), two(&rula["p95"])),
-            percent(&rula["exposure"]),
+            percent(&rula["high_band"][0]),
             two(&rula["per_metre"]),
             two(&rula["peak"]),
             two(&reba["expected"]),
@@ -124,7 +124,7 @@ fn figures_agree(terminal: &str, page: &str, result: &Value, table: &Path) {
         for (column, value) in [
             ("expected_rula", &rula["expected"]),
             ("p05_rula", &rula["p05"]),
-            ("exposure_rula_5", &rula["exposure"]),
+            ("exposure_rula_5", &rula["high_band"][0]),
             ("rula_per_metre", &rula["per_metre"]),
             ("peak_rula", &rula["peak"]),
             ("expected_reba", &reba["expected"]),
