@@ -11,14 +11,14 @@
 //! ```text
 //! train:  recording file ─ recording          ─► Recording          (segment poses over time)
 //!         ─ training::fit (human, kinematics)  ─► JointMotion        (joint angles of one body)
-//!         ─ training::dataset                  ─► Dataset            (q, xdot = J qdot, qdot)
+//!         ─ training::read_person               ─► Sources, Dataset   (q, xdot = J qdot, qdot)
 //!         ─ training::methods                  ─► PostureModel       ─ posture::file ─► models/posture/
 //!
 //! plan:   scenario file ─ scenario             ─► Scenario           (worker, robot, task, limits)
 //!         ─ path::candidate                    ─► Vec<Candidate>     (via-points -> TCP paths)
 //!         ─ path::project_for_arm (qp, robot)  ─► SmoothPath | why not
 //!         ─ robot                              ─► RobotMotion | why not
-//!         ─ posture::roll_out                  ─► Rollout            (sampled postures over time)
+//!         ─ posture::Behaviour (roll_out)      ─► Repeated           (sampled postures over time)
 //!         ─ survey (human), ergonomics         ─► BodyScores         (RULA, REBA as distributions)
 //!         ─ planner                            ─► RunResult          (ranked, compared, explained)
 //!         ─ words                              ─► the same facts in plain English
@@ -52,7 +52,7 @@
 //! let result = plan(&scenario, &request, &|_step| true)?;
 //! let best = result.verdict.best.as_deref().ok_or("no path keeps all limits")?;
 //! let path = result.candidates.iter().find(|c| c.id == best).ok_or("the best is listed")?;
-//! let rula = &path.bodies[0].rula;
+//! let rula = &path.bodies[0].rula().distribution;
 //! assert!(rula.p05 <= rula.expected && rula.expected <= rula.p95);
 //! # Ok(())
 //! # }

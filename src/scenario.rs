@@ -20,7 +20,7 @@ mod warning;
 mod worker;
 
 pub use cell::PersonMargin;
-pub use check::{FacesAway, Scenario};
+pub use check::{FacesAway, LowHand, Scenario};
 pub use defaults::defaults_in_force;
 pub use ends::{END_TOLERANCE_DEG, END_TOLERANCE_M, EndMismatch};
 pub use file::{OtherArm, PosturePick};

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Folder to write: result.json, cells.csv, gains.csv, gains.png, `oracle_share.png`; only files
+    /// Folder to write: result.json, cells.csv, gains.csv and two pictures; only files
     /// that ergopath wrote there are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,

@@ -1,6 +1,6 @@
 //! What `ergopath score MOTION` shows on the terminal.
 
-use crate::ergonomics::{PairedDifference, Shown};
+use crate::ergonomics::{LiftNote, PairedDifference, Shown};
 use crate::human::Side;
 use crate::scenario::Origin;
 use crate::scoring::{
@@ -258,11 +258,19 @@ fn print_other_methods(o: &OtherMethods) {
         o.back.exposure.mean_deg
     );
     if let Some(lift) = &o.lift {
+        let is_outside = lift.notes.iter().any(|n| matches!(n, LiftNote::NotApplicable(_)));
+        let scope = if is_outside {
+            " (the equation does not apply here; for comparison only)"
+        } else {
+            ""
+        };
         say!(
-            "    NIOSH: recommended weight limit {:.1} kg, lifting index {}",
+            "    NIOSH{scope}: recommended weight limit {:.1} kg, lifting index {}",
             lift.recommended_kg,
-            lift.lifting_index
-                .map_or_else(|| "none: no load may be lifted so".to_owned(), |l| format!("{l:.2}"))
+            lift.lifting_index.map_or_else(
+                || "none: no load is acceptable here".to_owned(),
+                |l| format!("{l:.2}")
+            )
         );
         for note in &lift.notes {
             say!("      {}", note.words());

@@ -4,14 +4,12 @@ use super::person::Person;
 use super::prepare::{Prepared, Workshop};
 use super::refusal::{Hint, RefusedBy, RefusedGroup, Status};
 use super::result::{CandidateResult, Caveat, Decision, Verdict};
-use crate::human::{Stance, reach_gap};
+use crate::human::reach_gap;
 use crate::path::{Change, End, Family, smallest_changes};
 use crate::scenario::Scenario;
 
 /// Start postures by which an end of the movement is tried.
 const TRIES: usize = 8;
-/// Height of the hand below which a worker bends their legs, m.
-const LOW_HAND_M: f64 = 0.55;
 /// Distance below which a place counts as reached, m.
 const REACHED_M: f64 = 1e-3;
 
@@ -43,7 +41,7 @@ impl Workshop<'_> {
             RefusedBy::Robot | RefusedBy::Obstacle | RefusedBy::Person => plain.changes.clone(),
         };
         if verdict.changes.is_empty() && *by == RefusedBy::Worker {
-            verdict.hints.push(Hint::HandTurned);
+            verdict.hints.push(Hint::HandTurned { hold: self.scenario().hold });
         }
         if !verdict.changes.is_empty() {
             verdict.hints.push(Hint::Changes { changes: verdict.changes.clone() });
@@ -81,9 +79,7 @@ pub(super) fn unreached_ends(scenario: &Scenario, people: &[Person]) -> Vec<Hint
             }
         }
     }
-    let lowest = scenario.start.translation.vector.z.min(scenario.goal.translation.vector.z);
-    let is_standing = matches!(scenario.worker.stance, Stance::Standing { .. });
-    if !hints.is_empty() && is_standing && lowest < LOW_HAND_M {
+    if !hints.is_empty() && scenario.low_hand().is_some() {
         hints.push(Hint::NeedsBentLegs);
     }
     hints

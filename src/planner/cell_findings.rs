@@ -9,7 +9,7 @@ use crate::files::InputError;
 use crate::human::{Segment, Side, Skeleton, Stance};
 use crate::path::Box3;
 use crate::robot::NoMotion;
-use crate::scenario::Scenario;
+use crate::scenario::{LowHand, Scenario};
 
 /// Share of the start postures that has to get to an end, and of the repetitions that has to follow.
 const ENOUGH: f64 = 0.75;
@@ -59,6 +59,8 @@ pub enum CellFinding<'a> {
     Intrusion(&'a Intrusion),
     /// Feet above the floor.
     HangingFeet(&'a HangingFeet),
+    /// An end too low for straight legs.
+    LowHand(&'a LowHand),
 }
 
 impl CellFinding<'_> {
@@ -105,6 +107,7 @@ impl CellLook {
         all.extend(self.along_findings());
         all.extend(self.intrusions.iter().map(F::Intrusion));
         all.extend(self.hanging_feet.iter().map(F::HangingFeet));
+        all.extend(self.low_hand.iter().map(F::LowHand));
         all.sort_by_key(|f| !f.is_error());
         all
     }

@@ -13,7 +13,7 @@ use crate::path::{ProjectionSettings, shortest_duration_s};
 use crate::robot::{
     Follow, FollowSettings, NoMotion, Starts, follow_from, min_clearance, start_postures,
 };
-use crate::scenario::{FacesAway, Freedom, Scenario};
+use crate::scenario::{FacesAway, Freedom, LowHand, Scenario};
 use crate::trajectory::minimum_jerk_line;
 use serde::Serialize;
 
@@ -88,6 +88,8 @@ pub struct CellLook {
     pub intrusions: Vec<Intrusion>,
     /// Seated bodies whose feet do not get to the floor.
     pub hanging_feet: Vec<HangingFeet>,
+    /// An end too low for straight legs.
+    pub low_hand: Option<LowHand>,
     /// The worker faces away from the task; said among the scenario's warnings.
     pub away: Option<FacesAway>,
     /// Person (first body, mean posture moved on to the pose) and robot at start and goal.
@@ -219,6 +221,7 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
         along,
         intrusions: people.iter().flat_map(|p| Intrusion::of(scenario, p)).collect(),
         hanging_feet: HangingFeet::of(scenario)?,
+        low_hand: scenario.low_hand(),
         away: scenario.faces_away(),
         robot: robot.map(|(reach, ..)| reach),
         robot_along,

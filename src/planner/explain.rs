@@ -176,6 +176,7 @@ pub(super) fn not_modelled(scenario: &Scenario) -> Vec<NotModelled> {
         NotModelled::Forces,
         NotModelled::Contact,
         NotModelled::Fatigue,
+        NotModelled::Between,
         NotModelled::Safety,
     ];
     all.into_iter().chain(is_unknown.then_some(NotModelled::OtherArm)).collect()

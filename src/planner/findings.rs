@@ -3,7 +3,7 @@
 
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::robot::NotChecked;
-use crate::scenario::EndMismatch;
+use crate::scenario::{EndMismatch, LowHand};
 use serde::{Deserialize, Serialize};
 
 /// How much a finding should weigh with the reader.
@@ -38,6 +38,8 @@ pub enum Finding {
         /// Share of the path.
         share: f64,
     },
+    /// An end is so low that people bend their legs for it, which is not modelled.
+    LowHand(LowHand),
     /// Start postures that are rare among the training postures.
     UnusualStarts {
         /// Body.
@@ -204,6 +206,7 @@ impl Finding {
             | Self::BreaksLimits { .. } => Severity::Doubt,
             Self::BeyondData { .. }
             | Self::UnusualStarts { .. }
+            | Self::LowHand(_)
             | Self::OutOfReach { .. }
             | Self::OtherBodyWorse { .. }
             | Self::MuscleUseOpen { .. }

@@ -1,6 +1,7 @@
 //! Why a path is refused or marked, as facts; `words` puts them into English.
 
 use crate::path::{Change, Check, End, NoPath};
+use crate::posture::Hold;
 use crate::robot::{JointMargin, LimitKind, NoMotion, Violation};
 use serde::{Deserialize, Serialize};
 use std::mem::{Discriminant, discriminant};
@@ -258,7 +259,10 @@ impl RefusedGroup {
 #[serde(tag = "hint", rename_all = "snake_case")]
 pub enum Hint {
     /// Every place of the path can be reached by the hand, but not turned and led like this.
-    HandTurned,
+    HandTurned {
+        /// What the robot prescribes now.
+        hold: Hold,
+    },
     /// The smallest changes, each alone, that would make the straight path (else the first) feasible.
     Changes {
         /// Computed, not tried.

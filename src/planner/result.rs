@@ -680,6 +680,8 @@ pub enum NotModelled {
     Contact,
     /// Fatigue and recovery.
     Fatigue,
+    /// The time between movements.
+    Between,
     /// Conformity with safety standards.
     Safety,
     /// The arm that does not hold on to the robot.

@@ -179,6 +179,7 @@ impl Known<'_> {
     /// Everything, what weighs most first.
     fn findings(&self) -> Vec<Finding> {
         let mut all = self.support();
+        all.extend(self.scenario.low_hand().map(Finding::LowHand));
         all.extend(self.not_checked());
         all.extend(self.users());
         all.extend(self.reach());

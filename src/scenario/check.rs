@@ -17,7 +17,7 @@ use crate::ergonomics::Profile;
 use crate::files::{InputError, suggest};
 use crate::human::Stance;
 use crate::math::{Pose, Vec3};
-use crate::path::{Candidate, PathLimits, drawn};
+use crate::path::{Candidate, End, PathLimits, drawn};
 use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
 use serde::{Deserialize, Serialize};
@@ -158,7 +158,29 @@ pub struct FacesAway {
     pub wanted_deg: f64,
 }
 
+/// An end of the movement so low that a standing worker bends the legs for it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LowHand {
+    /// The lower end.
+    pub end: End,
+    /// Its height over the floor, m.
+    pub height_m: f64,
+}
+
+/// Height of the hand below which a standing worker bends the legs, m.
+const LOW_HAND_M: f64 = 0.55;
+
 impl Scenario {
+    /// The lower end, where it is too low for straight legs.
+    pub fn low_hand(&self) -> Option<LowHand> {
+        let is_standing = matches!(self.worker.stance, Stance::Standing { .. });
+        let ends = [(End::Start, &self.start), (End::Goal, &self.goal)];
+        let heights = ends.map(|(end, tcp)| LowHand { end, height_m: tcp.translation.vector.z });
+        let [start, goal] = heights;
+        let lowest = if goal.height_m < start.height_m { goal } else { start };
+        (is_standing && lowest.height_m < LOW_HAND_M).then_some(lowest)
+    }
+
     /// Whether the worker looks past the task.
     pub fn faces_away(&self) -> Option<FacesAway> {
         let w = &self.worker;

@@ -65,9 +65,14 @@ pub fn views(side: &ScoredSide) -> Vec<View> {
         let load = side.task.load_kg;
         let moment = load * 9.81 * f.reach_m;
         let why = if load > 0.0 {
-            format!("{} kg at {:.2} m before L5/S1: {moment:.0} N m", grams(load), f.reach_m)
+            format!(
+                "{} kg at {:.2} m in front of L5/S1: {moment:.0} N m there by the load alone, without the \
+                 weight of the body",
+                grams(load),
+                f.reach_m
+            )
         } else {
-            format!("no load; the hand is {:.2} m before L5/S1", f.reach_m)
+            format!("no load; the hand is {:.2} m in front of L5/S1", f.reach_m)
         };
         view(ViewKind::HighestLoad, t, f, why)
     }));

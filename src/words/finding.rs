@@ -8,6 +8,7 @@ use super::robot;
 use super::verdict::lower;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::planner::{Figure, Finding, RunResult, Status, Subject, Why};
+use crate::scenario::LowHand;
 
 /// A finding of a result.
 pub fn finding(f: &Finding, result: &RunResult) -> String {
@@ -22,6 +23,7 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
             "{} of the path lies beyond the posture model's recordings for {body}; there it extrapolates.",
             percent(*share)
         ),
+        Finding::LowHand(low) => low_hand(low),
         Finding::UnusualStarts { body, share } => format!(
             "{} of the start postures are unusual for {body} (rarer than one in a hundred): is the worker in the \
              right place?",
@@ -90,6 +92,16 @@ fn other_body(body: &str, method: ScoringMethod, figure: Figure, values: [f64; 2
         Figure::Peak => (format!("peak {}", method.name()), values.map(score)),
     };
     format!("{body} is worse in one figure: {name} {there} instead of {here}.")
+}
+
+/// That an end is too low for straight legs.
+pub(super) fn low_hand(low: &LowHand) -> String {
+    format!(
+        "The {} is {:.2} m above the floor. People bend their legs for that; here they stay straight, so the back \
+         and its scores are worse than a worker's who squats.",
+        super::end(low.end),
+        low.height_m
+    )
 }
 
 fn worth(freedom: Option<&str>, gain: Option<&PairedDifference>) -> String {

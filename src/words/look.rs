@@ -83,6 +83,7 @@ pub fn sentence(finding: &CellFinding) -> String {
             i.part,
             i.body
         ),
+        CellFinding::LowHand(low) => super::finding::low_hand(low),
         CellFinding::HangingFeet(f) => format!(
             "the feet of `{}` hang {:.0} mm above the floor: give a lower worker.seat_height_m, or mind that \
              scores count the feet as supported",

@@ -5,6 +5,7 @@ use super::path::change;
 use super::refusal::{all, key, refusal};
 use crate::path::Change;
 use crate::planner::{Decision, Hint, RefusedGroup, RunResult, Status};
+use crate::posture::Hold;
 
 /// Kinds of refusals that are told.
 const MOST_TOLD: usize = 5;
@@ -38,11 +39,16 @@ pub fn group(group: &RefusedGroup, count: usize) -> String {
 /// A hint as a sentence.
 pub fn hint(hint: &Hint) -> String {
     match hint {
-        Hint::HandTurned => {
-            "Every place of the path can be reached by the hand, but not with the hand turned and led \
-             like this: another start posture, hold = \"free_roll\" or \"point\", or a shorter way may \
-             help."
-                .to_owned()
+        Hint::HandTurned { hold } => {
+            let looser = match hold {
+                Hold::Rigid => ", hold = \"free_roll\" or \"point\",",
+                Hold::FreeRoll => ", hold = \"point\",",
+                Hold::Point | Hold::Planar => "",
+            };
+            format!(
+                "The hand can reach every place of the path, but not in this orientation and with this start: \
+                 another start posture{looser} or a shorter path may help."
+            )
         }
         Hint::Changes { changes } => {
             format!("What would help, each alone: {}.", listed(changes))

@@ -74,6 +74,9 @@ pub fn not_modelled(n: NotModelled) -> &'static str {
         NotModelled::Fatigue => {
             "fatigue and recovery over a shift; each posture of one movement is scored by itself"
         }
+        NotModelled::Between => {
+            "the time at the goal and between two cycles: only the movement itself is scored"
+        }
         NotModelled::Safety => {
             "safety: nothing here certifies conformity with ISO 10218, ISO/TS 15066 or any other standard"
         }
