@@ -181,7 +181,7 @@ fn verdict(view: &View) -> Markup {
              off because only " (rollouts(view)) " repetitions were simulated. A repetition is one draw of how this one \
              person moves. Scores are means of ordinal scores: they rank, they do not measure. Action level 3 of RULA \
              (score 5 or more) means: investigate and change soon. Peak: the score that is exceeded for 5 % of the time, \
-             median over repetitions."
+             median over repetitions, interpolated within whole scores."
         } }
     }
 }
