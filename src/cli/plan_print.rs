@@ -93,10 +93,12 @@ fn print_ranking(result: &RunResult) {
     if !all.is_empty() {
         say!("  not feasible: {}", all.join(", "));
     }
-    say!(
-        "  3+: RULA action level 3 or above (score 5 or more). Scores are means: they rank, they do not measure. \
-         Ranked by the objective on other repetitions than those of the figures."
-    );
+    if !shown.is_empty() {
+        say!(
+            "  3+: RULA action level 3 or above (score 5 or more). Scores are means: they rank, they do not measure. \
+             Ranked by the objective on other repetitions than those of the figures."
+        );
+    }
 }
 
 fn row(

@@ -39,3 +39,4 @@ mod score_cli;
 mod shipped;
 mod train_cli;
 mod train_real;
+mod verdict;
