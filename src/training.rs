@@ -60,7 +60,7 @@ pub use methods::{with_kernel_search, with_weight_search};
 pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion, trial_of};
 pub use noise_fit::learn_noise;
 pub use rollout_check::{
-    Bands, RolloutScore, Walking, check_rollouts, learn_walking, path_error_deg,
+    Bands, LearnedRepetitions, RolloutScore, check_rollouts, learn_repetitions, path_error_deg,
 };
 pub use settings::{Lengths, Objective, Optimiser, PullRule, TrainSettings};
 pub use simulated_movements::{Reach, SimulatedMovements};

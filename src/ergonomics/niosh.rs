@@ -126,7 +126,7 @@ pub struct LiftLimit {
     pub multipliers: LiftMultipliers,
     /// Recommended weight limit, kg.
     pub recommended_kg: f64,
-    /// Load over limit; `None` where the limit is 0: no load may be lifted so.
+    /// Load over limit; `None` where the limit is 0: no load is acceptable.
     pub lifting_index: Option<f64>,
 }
 

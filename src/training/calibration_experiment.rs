@@ -11,7 +11,7 @@
 
 use super::dataset::{DataRow, Dataset, Fold};
 use super::methods::learn_laws;
-use super::rollout_check::{Bands, band_end, bands, learn_walking, pieces};
+use super::rollout_check::{Bands, band_end, bands, learn_repetitions, pieces};
 use super::settings::TrainSettings;
 use super::spread::learn_attraction;
 use super::toy5r::{
@@ -101,10 +101,10 @@ fn cell(
     let Some(law) = laws.into_iter().next() else {
         return Err(InputError::new("experiment", "has no law"));
     };
-    let walking = learn_walking(&dataset, &fold.train, &law, settings)?;
-    let (found, calibration) = (walking.noise, walking.calibration);
+    let repetitions = learn_repetitions(&dataset, &fold.train, &law, settings)?;
+    let (found, calibration) = (repetitions.noise, repetitions.calibration);
     let attraction =
-        if walking.is_pulled { learn_attraction(&dataset, &train, settings) } else { None };
+        if repetitions.is_pulled { learn_attraction(&dataset, &train, settings) } else { None };
     let sampled = PostureLaw { attraction, noise: found.clone(), ..law.law.clone() };
     // The published sampler has no pull, and noise that is not calibrated.
     let plain = Noise { factor: &found.factor / calibration, ..found.clone() };
@@ -124,7 +124,7 @@ fn cell(
         shares: found.shares,
         correlation_time_s: found.correlation_time_s,
         calibration,
-        is_pulled: walking.is_pulled,
+        is_pulled: repetitions.is_pulled,
     })
 }
 

@@ -1,7 +1,7 @@
-//! Joint angles of a held-out movement beside people who walk along its hand path.
+//! Joint angles of a held-out movement beside repetitions along its hand path.
 //!
 //! The law is learned on the training part of the first split of [`Dataset::held_out`], as it is for
-//! the scores; the piece is the longest uninterrupted one of the part held out. Every walk starts at the
+//! the scores; the piece is the longest uninterrupted one of the part held out. Every repetition starts at the
 //! recorded posture.
 
 use super::dataset::{Dataset, Frame};
@@ -83,14 +83,14 @@ pub fn held_out_curves(
     let train = dataset.select(&fold.train);
     let laws = learn_laws(&[method], &train, dataset.coupling.stature_m(), settings, None)?;
     let law = laws.first().ok_or_else(singular)?;
-    let (law, walking) = sampled_law(dataset, &fold.train, law, settings)?;
+    let (law, repetitions) = sampled_law(dataset, &fold.train, law, settings)?;
     let sampler = Sampler::new(&law, settings.sampling).ok_or_else(singular)?;
     let how = (ROLLOUTS, settings.seed);
     let walks = walks(dataset, &law, &sampler, (index, piece), how);
     let names = dataset.joints.iter().enumerate();
     Ok(HeldOutCurves {
         method,
-        is_pulled: walking.is_pulled,
+        is_pulled: repetitions.is_pulled,
         rollouts: ROLLOUTS,
         trial: piece[0].trial,
         time_s: piece.iter().map(|f| f.time_s).collect(),

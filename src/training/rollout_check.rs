@@ -3,12 +3,12 @@
 //!
 //! ```text
 //! path error   mean over time of the rms over joints of q_rollout - q_recorded, without noise, deg
-//! rest         rms joint speed while the hand rests: of people drawn by the law, and recorded, deg/s
+//! rest         rms joint speed while the hand rests: of repetitions drawn by the law, and recorded, deg/s
 //! drift        rms over joints of the change of posture after three trips there and back, deg
 //! coverage     share of recorded joint angles inside the central 50 and 90 % band of rollouts
 //! LL           log-likelihood of a whole held-out trajectory of joint velocities, nats per frame
 //! ```
-//! Every walk starts from the person's own first posture. Where one ends early, its last posture counts.
+//! Every repetition starts from the person's own first posture. Where one ends early, its last posture counts.
 //!
 //! Before it is judged the noise is *calibrated*: multiplied by the factor at which the 90 % band of
 //! rollouts on held-out parts of the training part, by laws that had not seen them, covers 90 % there.
@@ -67,7 +67,7 @@ pub struct RolloutScore {
     pub pulled_path_error_deg: f64,
     /// The same with the pull per metre, and per second.
     pub rule_error_deg: (f64, f64),
-    /// Rms joint speed while the hand rests for a second: of people drawn, and where the recorded hand
+    /// Rms joint speed while the hand rests for a second: of repetitions drawn, and where the recorded hand
     /// rests in the test part, deg/s.
     pub rest_deg_s: (f64, Option<f64>),
     /// Change of posture after three trips there and back, without and with the pull, deg.
@@ -114,14 +114,14 @@ pub fn check_rollouts(
     let paths = pieces(&test);
     let by_rule = |rule: PullRule| {
         let settings = TrainSettings { pull: Some(rule), ..settings.clone() };
-        walking_law(dataset, &train, &law.law, &settings, true)
+        pulled_law(dataset, &train, &law.law, &settings, true)
     };
     let [free, per_metre, per_second] =
         [PullRule::None, PullRule::PerMetre, PullRule::PerSecond].map(by_rule);
     let pulled =
         if settings.goes_with_hand(dataset.person.is_some()) { &per_metre } else { &per_second };
     let error = |law: &PostureLaw| path_error_deg(dataset, law, &test);
-    let (sampled, walking) = sampled_law(dataset, &fold.train, law, settings)?;
+    let (sampled, repetitions) = sampled_law(dataset, &fold.train, law, settings)?;
     let (bands, reach_exceeded_share) =
         bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
     let (pull_metre, pull_second) = (error(&per_metre), error(&per_second));
@@ -134,34 +134,34 @@ pub fn check_rollouts(
         drift_deg: (drift_deg(dataset, &free, &paths), drift_deg(dataset, pulled, &paths)),
         bands,
         trajectory_ll: trajectory_ll(dataset, &sampled, &paths, floors)?,
-        calibration: walking.calibration,
-        is_pulled: walking.is_pulled,
+        calibration: repetitions.calibration,
+        is_pulled: repetitions.is_pulled,
         reach_exceeded_share,
     })
 }
 
-/// The law by which people are drawn who walk what `train` does not hold: with its pull where that
+/// The law by which repetitions are drawn along what `train` does not hold: with its pull where that
 /// helps and its noise, calibrated but for the published sampler.
 pub(super) fn sampled_law(
     dataset: &Dataset,
     train: &[usize],
     law: &Law,
     settings: &TrainSettings,
-) -> Result<(PostureLaw, Walking), InputError> {
-    let mut walking = learn_walking(dataset, train, law, settings)?;
+) -> Result<(PostureLaw, LearnedRepetitions), InputError> {
+    let mut repetitions = learn_repetitions(dataset, train, law, settings)?;
     if settings.sampling == Sampling::Independent {
         // The published sampler as it is.
-        walking.noise.factor /= walking.calibration;
-        walking.calibration = 1.0;
+        repetitions.noise.factor /= repetitions.calibration;
+        repetitions.calibration = 1.0;
     }
     let frames = dataset.select(train);
-    let own = walking_law(dataset, &frames, &law.law, settings, walking.is_pulled);
-    let noise = walking.noise.clone();
-    Ok((PostureLaw { noise, ..own }, walking))
+    let own = pulled_law(dataset, &frames, &law.law, settings, repetitions.is_pulled);
+    let noise = repetitions.noise.clone();
+    Ok((PostureLaw { noise, ..own }, repetitions))
 }
 
 /// A law with its clock, and with the pull of the settings where `is_pulled`; it has no noise yet.
-fn walking_law(
+fn pulled_law(
     dataset: &Dataset,
     train: &[&Frame],
     law: &PostureLaw,
@@ -217,9 +217,9 @@ pub(super) fn pieces<'a>(frames: &[&'a Frame]) -> Vec<Vec<&'a Frame>> {
         .collect()
 }
 
-/// How a law walks: its noise, calibrated, and whether the pull helps it.
+/// What repetitions by a law need besides: its noise, calibrated, and whether the pull helps.
 #[derive(Debug, Clone)]
-pub struct Walking {
+pub struct LearnedRepetitions {
     /// The noise, multiplied by `calibration`.
     pub noise: Noise,
     /// The factor at which the 90 % band covers 90 % on what was held out of the training part.
@@ -231,16 +231,16 @@ pub struct Walking {
     pub pull_error_deg: Option<(f64, f64)>,
 }
 
-/// Learns how a law walks from blocks of `train`, each walked by a law that has not seen it.
+/// Learns it from blocks of `train`, each repeated by a law that has not seen it.
 ///
 /// # Errors
 /// Where the chain is singular in the data.
-pub fn learn_walking(
+pub fn learn_repetitions(
     dataset: &Dataset,
     train: &[usize],
     law: &Law,
     settings: &TrainSettings,
-) -> Result<Walking, InputError> {
+) -> Result<LearnedRepetitions, InputError> {
     let is_person = dataset.person.is_some();
     let inner = dataset.blocks_of(train);
     let mut blocks = held_out_laws(dataset, &inner, law, settings)?;
@@ -258,7 +258,7 @@ pub fn learn_walking(
     let held_out: Vec<HeldOut> = blocks.into_iter().chain(later).collect();
     let calibration = calibrate(dataset, &held_out, &noise, settings.seed)?;
     let noise = Noise { factor: &noise.factor * calibration, ..noise };
-    Ok(Walking { noise, calibration, is_pulled, pull_error_deg })
+    Ok(LearnedRepetitions { noise, calibration, is_pulled, pull_error_deg })
 }
 
 /// A law that has not seen some frames, and the frames.
@@ -278,7 +278,7 @@ fn held_out_laws<'a>(
         let frames = dataset.select(&fold.train);
         let own = learn_laws(&[law.method], &frames, stature_m, settings, known)?;
         if let Some(own) = own.into_iter().next() {
-            let own = walking_law(dataset, &frames, &own.law, settings, true);
+            let own = pulled_law(dataset, &frames, &own.law, settings, true);
             found.push((own, dataset.select(&fold.test)));
         }
     }

@@ -148,7 +148,7 @@ pub struct TrainSettings {
     pub inducing: Option<usize>,
     /// Standard deviation in every null direction below which nothing is claimed, rad/s.
     pub null_floor_rad_s: f64,
-    /// How people are drawn where bands are judged.
+    /// How repetitions are drawn where bands are judged.
     pub sampling: Sampling,
     /// Seed of everything random.
     pub seed: u64,

@@ -9,7 +9,7 @@
 use super::dataset::{Dataset, Frame};
 use super::evaluate::{Judging, MethodScore, evaluate};
 use super::methods::{Law, learn_laws};
-use super::rollout_check::{Walking, learn_walking};
+use super::rollout_check::{LearnedRepetitions, learn_repetitions};
 use super::settings::{PullRule, TrainSettings};
 use super::spread::{learn_attraction, learn_postures};
 use crate::files::InputError;
@@ -68,11 +68,11 @@ pub fn learn(
     let stature_m = dataset.coupling.stature_m();
     let laws = learn_laws(&[method], &all, stature_m, settings, None)?;
     let law = laws.into_iter().next().ok_or_else(|| InputError::new(name, "has no law"))?;
-    let walking = learn_walking(dataset, &every, &law, settings)?;
-    let noise = &walking.noise;
+    let repetitions = learn_repetitions(dataset, &every, &law, settings)?;
+    let noise = &repetitions.noise;
     let mut provenance = provenance;
-    provenance.settings.extend(described(settings, &law, &walking, dataset));
-    provenance.notes.extend(notes(dataset, &law, &walking, settings));
+    provenance.settings.extend(described(settings, &law, &repetitions, dataset));
+    provenance.notes.extend(notes(dataset, &law, &repetitions, settings));
     let postures = learn_postures(&all);
     let weight = symmetric(&rounded_matrix(&law.law.weight));
     Ok(PostureModel {
@@ -83,7 +83,7 @@ pub fn learn(
         joints: dataset.joints.clone(),
         law: PostureLaw {
             weight,
-            attraction: if walking.is_pulled {
+            attraction: if repetitions.is_pulled {
                 learn_attraction(dataset, &all, settings)
             } else {
                 None
@@ -133,17 +133,17 @@ fn quality(score: &MethodScore) -> MethodQuality {
 fn described(
     settings: &TrainSettings,
     law: &Law,
-    walking: &Walking,
+    repetitions: &LearnedRepetitions,
     dataset: &Dataset,
 ) -> Vec<(String, String)> {
-    let Walking { noise, calibration, .. } = walking;
+    let LearnedRepetitions { noise, calibration, .. } = repetitions;
     let pull = settings.pull_for(dataset.person.is_some());
     let mut list = vec![("method", law.method.name().to_owned())];
     if let Some(a) = law.shrinkage {
         list.push(("shrinkage", a.to_string()));
         list.push(("diagonal_share", settings.diagonal_share.to_string()));
     }
-    if walking.is_pulled {
+    if repetitions.is_pulled {
         list.push(("pull", pull.name().to_owned()));
         match pull {
             PullRule::PerMetre => {
@@ -181,7 +181,12 @@ fn described(
     list.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
 }
 
-fn notes(dataset: &Dataset, law: &Law, walking: &Walking, settings: &TrainSettings) -> Vec<String> {
+fn notes(
+    dataset: &Dataset,
+    law: &Law,
+    repetitions: &LearnedRepetitions,
+    settings: &TrainSettings,
+) -> Vec<String> {
     let mut notes = vec![if dataset.trials > 1 {
         format!("judged on whole trials held out, {} in all", dataset.trials)
     } else {
@@ -189,8 +194,8 @@ fn notes(dataset: &Dataset, law: &Law, walking: &Walking, settings: &TrainSettin
          left out; what differs between repetitions is not known from one trial"
             .to_owned()
     }];
-    if let Some((free, pulled)) = walking.pull_error_deg {
-        let verdict = if walking.is_pulled { "it is used" } else { "it is left out" };
+    if let Some((free, pulled)) = repetitions.pull_error_deg {
+        let verdict = if repetitions.is_pulled { "it is used" } else { "it is left out" };
         notes.push(format!(
             "on held-out blocks the joint error along the path is {free:.2} deg without and \
              {pulled:.2} deg with the pull towards the person's own postures: {verdict}"
