@@ -71,7 +71,7 @@ pub use niosh::{
     lift_from_path,
 };
 pub(crate) use paired::t_critical_975;
-pub use paired::{FEW_PAIRS, PairedDifference, paired_difference};
+pub use paired::{FEW_PAIRS, PairedDifference, paired_difference, paired_median_difference};
 pub use profile::{Profile, UpperArmRule};
 pub use reba::{
     REBA_WORST, RebaScores, RebaSteps, reba, reba_action_level, reba_action_words, reba_from_scores,

@@ -9,7 +9,9 @@ use super::objective::Figures;
 use super::prepare::Prepared;
 use super::preset::Objective;
 use super::result::{BodyScores, Bought, Price, TimingDifference};
-use crate::ergonomics::{PairedDifference, ScoringMethod, paired_difference};
+use crate::ergonomics::{
+    PairedDifference, ScoringMethod, paired_difference, paired_median_difference,
+};
 use crate::math::stats::mean;
 use crate::scenario::Freedom;
 
@@ -53,7 +55,7 @@ fn of_body(o: &Objective, of: impl Fn(ScoringMethod) -> [Compared; 2]) -> Vec<Bo
         let [[mean_a, peak_a, metre_a], [mean_b, peak_b, metre_b]] = of(method);
         let is_lower = mean(&mean_a) < mean(&mean_b);
         let prices = [
-            (Price::Peak, paired_difference(&peak_a, &peak_b)),
+            (Price::Peak, paired_median_difference(&peak_a, &peak_b)),
             (Price::PerMetre, paired_difference(&metre_a, &metre_b)),
         ];
         prices
