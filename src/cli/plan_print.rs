@@ -2,6 +2,7 @@
 //! warnings, and how far to trust it.
 
 use super::bars::{bad_share, bold, table};
+use crate::ergonomics::ScoringMethod;
 use crate::path::Family;
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult, Severity, Status};
 use crate::words;
@@ -58,16 +59,10 @@ fn print_ranking(result: &RunResult) {
         let marked = shown.iter().any(|c| c.status != Status::Feasible);
         let mut header = vec!["rank", "path", "id"];
         header.extend(several.then_some("body"));
-        header.extend([
-            "time at 3+",
-            "",
-            "RULA",
-            "90 % band",
-            "per metre",
-            "peak",
-            "REBA",
-            "objective",
-        ]);
+        let [lead, others @ ..] = ScoringMethod::ALL.map(ScoringMethod::name);
+        header.extend(["time at 3+", "", lead, "90 % band", "per metre", "peak"]);
+        header.extend(others);
+        header.push("objective");
         header.extend(lost.then_some("out of reach"));
         header.extend(marked.then_some("limits"));
         let mut table = table(&header, &[0]);
@@ -110,7 +105,8 @@ fn row(
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     let once = |text: String| Cell::new(if is_first { text } else { String::new() });
     let limits = words::refusal::state(&c.status);
-    let (rula, share) = (b.rula(), b.rula().high_band[0]);
+    let [lead, others @ ..] = ScoringMethod::ALL;
+    let (scores, share) = (&b.scores[lead], b.scores[lead].high_band[0]);
     let mut cells = vec![
         once(c.rank.map_or_else(String::new, |r| r.to_string())),
         once(words::paths::path_name(c)),
@@ -120,13 +116,21 @@ fn row(
     cells.extend([
         bad_share(share),
         right(percent(share)),
-        right(score(rula.distribution.expected)),
-        Cell::new(format!("{} to {}", score(rula.distribution.p05), score(rula.distribution.p95))),
-        right(score(rula.per_metre)),
-        right(score(rula.peak)),
-        right(score(b.reba().distribution.expected)),
-        right(if is_first { c.objective.map_or_else(String::new, score) } else { String::new() }),
+        right(score(scores.distribution.expected)),
+        Cell::new(format!(
+            "{} to {}",
+            score(scores.distribution.p05),
+            score(scores.distribution.p95)
+        )),
+        right(score(scores.per_metre)),
+        right(score(scores.peak)),
     ]);
+    cells.extend(others.map(|m| right(score(b.scores[m].distribution.expected))));
+    cells.push(right(if is_first {
+        c.objective.map_or_else(String::new, score)
+    } else {
+        String::new()
+    }));
     cells.extend(lost.then(|| right(percent(b.reach_exceeded))));
     cells.extend(marked.then(|| once(limits.to_owned())));
     cells
