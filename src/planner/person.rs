@@ -89,7 +89,7 @@ impl<'a> Person<'a> {
     pub(super) fn placed_at(&self, tcp: &Pose, variant: &Variant) -> Option<Vec<[Vec3; 2]>> {
         let pelvis = self.pelvis(variant);
         let hand = pelvis.inverse() * tcp * variant.grip;
-        let postures = &self.scenario.worker.model.postures;
+        let postures = self.behaviour.postures();
         let rule = StartRule::Mean;
         let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..1);
         let q = starts.into_iter().next()?.q?;
@@ -133,7 +133,7 @@ impl<'a> Person<'a> {
         variant: &Variant,
         law: &PostureLaw,
     ) -> Repetitions {
-        let postures = &self.scenario.worker.model.postures;
+        let postures = self.behaviour.postures();
         let rule = match &self.scenario.worker.start_rule {
             StartRule::Sampled => &StartRule::Mean,
             other => other,
@@ -159,9 +159,8 @@ impl<'a> Person<'a> {
 
     /// How many of some start postures get the hand to a TCP pose.
     pub(super) fn reaching(&self, tcp: &Pose, variant: &Variant, tries: usize) -> usize {
-        let w = &self.scenario.worker;
         let hand = self.pelvis(variant).inverse() * tcp * variant.grip;
-        let postures = &w.model.postures;
+        let postures = self.behaviour.postures();
         let rule = StartRule::Sampled;
         let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..tries);
         starts.iter().filter(|s| s.q.is_some()).count()
@@ -198,7 +197,7 @@ impl<'a> Person<'a> {
     ) -> PosePicture {
         let pelvis = self.pelvis(variant);
         let hand = pelvis.inverse() * tcp * variant.grip;
-        let postures = &self.scenario.worker.model.postures;
+        let postures = self.behaviour.postures();
         let rule = StartRule::Mean;
         let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..1);
         let q = starts.into_iter().next().and_then(|s| s.q);

@@ -138,7 +138,7 @@ impl HandPath {
         self.time_s[index] - self.time_s[0]
     }
 
-    /// How many values of the noise a walk needs, and how far they are apart, s of the clock.
+    /// How many values of the noise a repetition needs, and how far they are apart, s of the clock.
     pub(super) fn noise_grid(&self) -> (usize, f64) {
         self.noise_grid
     }
