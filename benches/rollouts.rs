@@ -9,13 +9,13 @@ mod common;
 
 use common::{body, operator, sparse};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use ergopath::human::Side;
+use ergopath::human::{Coupled, Hands, Pelvis, Side, Stance, mirrored_pose};
 use ergopath::kinematics::{Frames, Linkage};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::math::{Pose, Vec3};
 use ergopath::posture::{
-    Coupling, HandPath, Hold, Method, PostureLaw, Sampler, Sampling, Start, StartRule, roll_out,
-    simulated_operator, start_postures,
+    Coupling, Grips, HandPath, Hold, Method, PostureLaw, Sampler, Sampling, Start, StartRule,
+    natural_grip, roll_out, simulated_operator, simulated_whole_operator, start_postures,
 };
 use ergopath::training::{TrainSettings, learn_laws};
 use nalgebra::UnitQuaternion;
@@ -57,7 +57,7 @@ fn rollouts(c: &mut Criterion) {
     let hands = lift();
     let time: Vec<f64> = (0..=STEPS).map(|i| DT_S * i as f64).collect();
     let rule = StartRule::Sampled;
-    let starts = start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 0..8);
+    let starts = start_postures(&coupling, &model.postures, &rule, hands[0], (1, 0), 0..8);
     let learned = with_process(&model.law, 1000);
 
     let mut group = c.benchmark_group("posture");
@@ -103,8 +103,55 @@ fn rollouts(c: &mut Criterion) {
         b.iter(|| process.mean(black_box(&x)));
     });
     group.bench_function("one start posture", |b| {
-        b.iter(|| start_postures(&coupling, &model.postures, &rule, &hands[0], (1, 0), 0..1));
+        b.iter(|| start_postures(&coupling, &model.postures, &rule, hands[0], (1, 0), 0..1));
     });
+    group.finish();
+}
+
+/// One step of a whole standing person, with one hand and with both: pelvis, spine and arms; the legs follow.
+fn whole_person(c: &mut Criterion) {
+    let body = body();
+    let standing = (Stance::Standing { shoe_m: 0.03 }, 0.0);
+    let one_handed = simulated_whole_operator(&body, Side::Right).unwrap();
+    let mut group = c.benchmark_group("whole person");
+    group.throughput(Throughput::Elements(STEPS as u64));
+    for hands in [Hands::Right, Hands::Both] {
+        let is_both = hands == Hands::Both;
+        let model = one_handed.adapted(Pelvis::Moves, is_both).unwrap();
+        let coupled = Coupled { hands, pelvis: Pelvis::Moves };
+        let holds = vec![Hold::Rigid; hands.sides().len()];
+        let coupling = Coupling::of_person(&body, coupled, &holds, standing).unwrap();
+        let time: Vec<f64> = (0..=STEPS).map(|i| DT_S * i as f64).collect();
+        let path: Vec<Grips> = (0..=STEPS)
+            .map(|i| {
+                let s = i as f64 / STEPS as f64;
+                let at = Vec3::new(0.38 + 0.06 * s, 0.02 + 0.25 * s, 0.18 - 0.02 * s);
+                let first = Pose::from_parts(at.into(), natural_grip(at.y));
+                Grips { first, second: is_both.then(|| mirrored_pose(&first)) }
+            })
+            .collect();
+        let starts =
+            start_postures(&coupling, &model.postures, &StartRule::Sampled, path[0], (1, 0), 0..16);
+        let hand = HandPath::new(&coupling, &model.law, time, path);
+        let sampler = Sampler::new(&model.law, Sampling::Pathwise).unwrap();
+        let draw = |r| sampler.draw(&mut stream(1, Purpose::Posture, 1, r), &hand);
+        let walkers: Vec<_> = (0..)
+            .zip(&starts)
+            .map(|(r, s)| (s, draw(r)))
+            .filter(|(s, p)| {
+                roll_out(&coupling, &model.law, &hand, s, Some(p)).reach_exceeded_at.is_none()
+            })
+            .collect();
+        assert!(walkers.len() > starts.len() / 2, "hardly anybody can follow the lift");
+        group.bench_function(format!("rollout of 100 steps, full-w, {hands:?}"), |b| {
+            let mut r = 0;
+            b.iter(|| {
+                r = (r + 1) % walkers.len();
+                let (start, person) = &walkers[r];
+                roll_out(&coupling, &model.law, &hand, start, Some(person))
+            });
+        });
+    }
     group.finish();
 }
 
@@ -144,5 +191,5 @@ fn kinematics(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, rollouts, kinematics);
+criterion_group!(benches, rollouts, whole_person, kinematics);
 criterion_main!(benches);

@@ -5,10 +5,10 @@ use ergopath::ergonomics::{
     ArmAngles, ArmPose, BodyPose, Profile, Side, TaskInputs, TrunkNeckAngles, arm_angles, assess,
     trunk_neck_angles,
 };
-use ergopath::human::{Body, Side as Coupled, Stance};
+use ergopath::human::{Body, Coupled, Side as BodySide, Stance};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::math::{Rotation, Vec3};
-use ergopath::survey::{Lens, NeckRule, Surveyor};
+use ergopath::survey::{HeadDraw, Lens, NeckRule, Surveyor};
 use nalgebra::DVector;
 use rand::RngExt as _;
 use std::hint::black_box;
@@ -96,17 +96,26 @@ fn joints(c: &mut Criterion) {
     let body = Body::load("male_p50", std::path::Path::new(".")).expect("a preset");
     let stance = Stance::Standing { shoe_m: 0.03 };
     let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
-    let surveyor = Surveyor::new(&body, Coupled::Right, pelvis, stance).expect("a body");
-    let chain = body.arm(Coupled::Right).expect("an arm");
+    let surveyor =
+        Surveyor::new(&body, Coupled::arm(BodySide::Right), pelvis, (stance, 0.0)).expect("a body");
+    let chain = body.arm(BodySide::Right).expect("an arm");
     let mut rng = stream(2, Purpose::Simulation, 911, 0);
-    let lens =
-        Lens { task: TaskInputs::default(), neck: NeckRule::Gaze, profile: Profile::default() };
+    let lens = Lens {
+        task: TaskInputs::default(),
+        neck: NeckRule::Gaze,
+        both_hands: false,
+        profile: Profile::default(),
+    };
     let mut posture = || {
         let within = chain.joints().iter().map(|j| rng.random_range(j.lower..=j.upper));
         DVector::from_iterator(chain.dof(), within)
     };
     c.bench_function("RULA and REBA from joint angles, kinematics included", |b| {
-        b.iter_batched(&mut posture, |q| surveyor.measure(&q).score(&lens), BatchSize::SmallInput);
+        b.iter_batched(
+            &mut posture,
+            |q| surveyor.measure(&q, &HeadDraw::default()).score(&lens),
+            BatchSize::SmallInput,
+        );
     });
 }
 

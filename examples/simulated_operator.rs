@@ -1,7 +1,8 @@
-//! Writes the movements of the simulated operator: sixteen made-up reaches as a joint-motion CSV.
+//! Writes the movements of the simulated operator as a joint-motion CSV: sixteen made-up reaches of one arm
+//! over a pelvis that rests, or thirty of a whole person from the floor to overhead.
 //!
 //! ```text
-//! cargo run --release --example simulated_operator -- OUT.csv [--body female_p50]
+//! cargo run --release --example simulated_operator -- OUT.csv [--whole] [--body female_p50]
 //! ```
 //! Start and goal are drawn from a work volume in front; the hand goes straight by minimum jerk; the
 //! posture is that of [`ergopath::posture::simulated_operator`] with sampled start and noise.
@@ -15,6 +16,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 const REACHES: usize = 16;
+const WHOLE_REACHES: usize = 30;
 const SEED: u64 = 20;
 const SIDE: Side = Side::Right;
 
@@ -25,17 +27,26 @@ const COMMENTS: [&str; 4] = [
     "Redundancy: full weight matrix, pull towards a posture law, correlated noise (posture::simulated_operator).",
 ];
 
+const WHOLE_COMMENTS: [&str; 4] = [
+    "simulated operator",
+    "Thirty made-up reaches of a made-up person in a body of this program; no person was recorded.",
+    "Made by examples/simulated_operator.rs. Pelvis from where it is upright (m, rad), spine and right arm, rad.",
+    "Redundancy: as of the operator at rest, with a pelvis that moves (posture::simulated_whole_operator).",
+];
+
 fn main() -> ExitCode {
-    let words: Vec<String> = std::env::args().skip(1).collect();
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let is_whole = words.iter().any(|w| w == "--whole");
+    words.retain(|w| w != "--whole");
     let (out, body) = match words.as_slice() {
         [out] => (out.as_str(), "female_p50"),
         [out, flag, body] if flag == "--body" => (out.as_str(), body.as_str()),
         _ => {
-            eprintln!("usage: simulated_operator OUT.csv [--body BODY]");
+            eprintln!("usage: simulated_operator OUT.csv [--whole] [--body BODY]");
             return ExitCode::from(2);
         }
     };
-    match write(Path::new(out), body) {
+    match write(Path::new(out), body, is_whole) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
@@ -44,11 +55,12 @@ fn main() -> ExitCode {
     }
 }
 
-fn write(out: &Path, body: &str) -> Result<(), InputError> {
+fn write(out: &Path, body: &str, is_whole: bool) -> Result<(), InputError> {
     let body = Body::load(body, Path::new("."))?;
-    let movements = SimulatedMovements::new(&body, SIDE, SEED)?;
+    let movements = SimulatedMovements::new(&body, SIDE, is_whole, SEED)?;
     let joints = movements.joints();
-    let reaches = movements.first(REACHES)?;
+    let reaches = movements.first(if is_whole { WHOLE_REACHES } else { REACHES })?;
     let trials: Vec<_> = reaches.into_iter().map(|r| (r.times_s, r.postures)).collect();
-    write_whole(out, motion_text(&COMMENTS, &joints, &trials).as_bytes())
+    let comments = if is_whole { &WHOLE_COMMENTS } else { &COMMENTS };
+    write_whole(out, motion_text(comments, (&joints, &body), &trials).as_bytes())
 }

@@ -10,20 +10,30 @@
 //! and knee is -Z; abduction of shoulder and hip is -X, ulnar deviation +X; pronation and internal
 //! rotation are +Y. The left side mirrors X and Y.
 
+mod balance;
 mod body;
 mod envelope;
 mod generate;
+mod legs;
 mod limits;
+mod mirror;
+mod pelvis;
 mod proportions;
 mod reach;
+mod shape;
 mod side;
 mod skeleton;
 
+pub use balance::{Balance, BalanceRow};
 pub use body::{Body, PRESETS, Stance};
-pub use envelope::{BodyPart, Envelope, EnvelopeScratch, SEATED_LEGS};
+pub use envelope::{BodyPart, Envelope, EnvelopeScratch};
 pub use generate::{BodyFiles, generate};
+pub use legs::{Bending, LegPosture, Legs, PelvisRow};
 pub use limits::{PostureLimits, SumLimit, SumRow};
+pub use mirror::{mirror_sign, mirrored_pose, other_side_joint};
+pub use pelvis::{PELVIS_JOINTS, column_of, column_unit, pelvis_coordinates, pelvis_in_rest};
 pub use proportions::{BodySize, Sex};
 pub use reach::{reach_ball, reach_gap};
-pub use side::Side;
-pub use skeleton::{PosedSkeleton, Segment, Skeleton};
+pub use shape::{Mannequin, MannequinPiece, SegmentKind, WideSection};
+pub use side::{Coupled, Hands, Pelvis, Side};
+pub use skeleton::{Head, PosedSkeleton, Segment, Skeleton};

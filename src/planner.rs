@@ -47,6 +47,7 @@ mod search;
 mod searches;
 mod space;
 mod stored;
+mod strain;
 mod summary;
 mod timing;
 mod tried;

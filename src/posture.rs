@@ -15,17 +15,20 @@
 //! PostureModel ─ start ─► start postures ─ rollout (closed loop, limits, noise) ─► Rollouts
 //! ```
 
+mod adapt;
 mod attraction;
 mod behaviour;
 mod conditional;
 mod coupling;
 mod file;
+mod grips;
 mod hand_path;
 mod inducing;
 mod kernel;
 mod law;
 mod model;
 mod noise;
+mod pair;
 mod primitive;
 mod process;
 mod rollout;
@@ -33,11 +36,13 @@ mod simulated;
 mod start;
 mod step;
 
+pub use adapt::Unsuitable;
 pub use attraction::{Attraction, HandFeatures, Pull, UsualPosture};
 pub use behaviour::{Behaviour, Certain, Modelled, Repeated};
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, model_text, save_model};
+pub use grips::Grips;
 pub use hand_path::HandPath;
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Draw, Floors, PostureLaw, Prediction, Query, Sampler, Sampling};
@@ -45,9 +50,10 @@ pub use model::{
     Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
 };
 pub use noise::{Clock, Drift, DriftPath, Noise, NoisePath, NoiseShares, gain, speed_squared};
+pub use pair::Pair;
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};
 pub use rollout::{Rollout, roll_out};
-pub use simulated::{simulated_operator, simulated_person};
+pub use simulated::{natural_grip, simulated_operator, simulated_person, simulated_whole_operator};
 pub use start::{Start, StartRule, start_postures};
-pub use step::{ReachExceeded, StepSolver};
+pub use step::{Allowed, Bounds, ReachExceeded, StepSolver};

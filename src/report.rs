@@ -3,7 +3,7 @@
 //! ```text
 //! RunResult ─► view    which paths are shown, and in which words
 //!           ─► tables  candidates.csv, paths/<rank>.csv
-//!           ─► figure_* on sheet, panel, style   figures/*.png
+//!           ─► figure_* on sheet, panel, style, mannequin   figures/*.png
 //!           ─► page*   report.html, with scene.js and sort.js in it
 //! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
 //! CellLook ─► figure_cell   the cell before planning, PNG
@@ -37,6 +37,7 @@ mod figure_scores;
 mod figure_weights;
 mod filled;
 mod filled_page;
+mod mannequin;
 mod page;
 mod page_advice;
 mod page_evidence;

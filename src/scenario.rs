@@ -19,7 +19,7 @@ mod task;
 mod warning;
 mod worker;
 
-pub use cell::PersonMargin;
+pub use cell::{PersonMargin, SecondHand};
 pub use check::{FacesAway, LowHand, Scenario};
 pub use defaults::defaults_in_force;
 pub use ends::{END_TOLERANCE_DEG, END_TOLERANCE_M, EndMismatch};
@@ -29,7 +29,7 @@ pub use paths::{UserPath, read_user_path};
 pub use plausible::Doubt;
 pub use task::{Origin, Task};
 pub use warning::Warning;
-pub use worker::Worker;
+pub use worker::{Adaptation, Worker};
 
 use crate::files::{InputError, parse_toml, read_text, sha256_hex, toml_schema};
 use std::cell::RefCell;

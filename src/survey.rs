@@ -1,7 +1,9 @@
 //! From joint angles to body angles and their scores: fills the worksheets from forward kinematics.
 
+mod head;
 mod whole;
 
+pub use head::HeadDraw;
 pub use whole::{WholePosture, WholeSurveyor};
 
 use crate::ergonomics::Side as ScoreSide;
@@ -10,17 +12,26 @@ use crate::ergonomics::{
     Worksheet, arm_angles, rula, trunk_neck_angles, worksheet,
 };
 use crate::files::InputError;
-use crate::human::{Body, PosedSkeleton, SEATED_LEGS, Segment, Side, Skeleton, Stance};
+use crate::human::{
+    Balance, Body, Coupled, Head, LegPosture, PosedSkeleton, Segment, Side, Skeleton, Stance,
+};
+use crate::kinematics::{Frames, Linkage};
 use crate::math::{Pose, Rotation, Vec3};
+use head::Sight;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// How the head is held, which nobody predicts.
+/// How the head is held.
 #[derive(
     Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "lowercase")]
 pub enum NeckRule {
+    /// As recorded people hold it, given trunk and hand.
+    Predicted,
+    /// As predicted, and turned on so far that the eyes find the part.
+    #[schemars(skip)]
+    Looking,
     /// In line with the trunk.
     #[default]
     Neutral,
@@ -28,8 +39,10 @@ pub enum NeckRule {
     Gaze,
 }
 
-/// Range of the neck to which a gaze is held, deg: flexion, extension, twist.
-const NECK_RANGE_DEG: [f64; 3] = [50.0, 60.0, 80.0];
+impl NeckRule {
+    /// All rules, in the order of [`PostureAngles`].
+    const ALL: [Self; 4] = [Self::Predicted, Self::Looking, Self::Neutral, Self::Gaze];
+}
 
 /// What varies between one look at the scores and another.
 #[derive(Debug, Clone)]
@@ -38,6 +51,8 @@ pub struct Lens {
     pub task: TaskInputs,
     /// How the head is held.
     pub neck: NeckRule,
+    /// The other hand holds on too: both share the load, and the worse side counts.
+    pub both_hands: bool,
     /// The convention.
     pub profile: Profile,
 }
@@ -45,39 +60,105 @@ pub struct Lens {
 /// The angles of one posture, before any rule about task or neck.
 #[derive(Debug, Clone, Copy)]
 pub struct PostureAngles {
-    /// Trunk, and neck in line with it.
-    pub neutral: TrunkNeckAngles,
-    /// Trunk, and head turned to the hand.
-    pub gaze: TrunkNeckAngles,
-    /// The arm that holds on to the robot.
+    /// Trunk and neck by each rule.
+    necks: [TrunkNeckAngles; 4],
+    /// The arm that holds on to the robot; of both the leading one.
     pub arm: ArmAngles,
-    /// The other arm, hanging.
+    /// The other arm.
     pub other: ArmAngles,
+    /// The legs.
+    pub legs: LegAngles,
+    /// The head as predicted and as it is held to see the part.
+    heads: [Head; 2],
+    /// How far the centre of mass of somebody who stands is inside the feet, m; negative outside.
+    pub margin_m: Option<f64>,
+    /// Static moment of everything above L5/S1, and of the load, about L5/S1, N m.
+    pub l5s1_nm: f64,
 }
+
+/// The legs of one posture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LegAngles {
+    /// Knee flexion, right and left, deg.
+    pub knees_deg: [f64; 2],
+    /// Rise of the heels, the lower one, deg.
+    pub heels_deg: f64,
+    /// Feet that carry nothing: they hang from a seat, or the heels are up.
+    pub is_unstable: bool,
+    /// By how much a leg is too short for its foot, m.
+    pub short_m: f64,
+}
+
+impl LegAngles {
+    fn of(legs: &[LegPosture; 2], hang: bool) -> Self {
+        let heels_deg = legs[0].heel.min(legs[1].heel).to_degrees();
+        Self {
+            knees_deg: legs.map(|l| -l.knee.to_degrees()),
+            heels_deg,
+            is_unstable: hang || heels_deg > ON_TOES_DEG,
+            short_m: legs[0].short_m.max(legs[1].short_m),
+        }
+    }
+}
+
+/// Rise of both heels from which the person stands on the fore-feet, deg.
+const ON_TOES_DEG: f64 = 10.0;
+/// Standard gravity, m/s^2.
+const GRAVITY: f64 = 9.81;
 
 impl PostureAngles {
     /// Trunk and neck under a rule for the head.
     pub fn trunk_neck(&self, rule: NeckRule) -> &TrunkNeckAngles {
-        match rule {
-            NeckRule::Neutral => &self.neutral,
-            NeckRule::Gaze => &self.gaze,
+        let place = NeckRule::ALL.iter().position(|r| *r == rule).unwrap_or(0);
+        &self.necks[place]
+    }
+
+    /// The head as it is drawn: predicted, or looking at the part; by the old rules as predicted too.
+    pub fn head(&self, rule: NeckRule) -> Head {
+        self.heads[usize::from(rule == NeckRule::Looking)]
+    }
+
+    /// The task with what the legs do.
+    pub fn task(&self, lens: &Lens) -> TaskInputs {
+        let [right, left] = self.legs.knees_deg;
+        TaskInputs {
+            knee_flex_deg: right.max(left),
+            legs_unbalanced: lens.task.legs_unbalanced || self.legs.is_unstable,
+            ..lens.task
         }
     }
 
-    /// The filled-in worksheet.
-    pub fn sheet(&self, lens: &Lens) -> Worksheet {
-        worksheet(self.trunk_neck(lens.neck), &self.arm, &lens.task, &lens.profile)
+    /// By all scoring methods, the sheets filled in by `fill`; of two hands the worse side counts.
+    pub fn score_by(
+        &self,
+        lens: &Lens,
+        fill: impl Fn(&TrunkNeckAngles, &ArmAngles, &TaskInputs) -> Worksheet,
+    ) -> Sheet {
+        let (body, task) = (self.trunk_neck(lens.neck), self.task(lens));
+        let own = Sheet::of(&fill(body, &self.arm, &task), &lens.profile);
+        if !lens.both_hands {
+            return own;
+        }
+        let other = Sheet::of(&fill(body, &self.other, &task), &lens.profile);
+        Sheet {
+            rula: if other.rula.grand > own.rula.grand { other.rula } else { own.rula },
+            reba: if other.reba.total > own.reba.total { other.reba } else { own.reba },
+        }
     }
 
     /// By all scoring methods.
     pub fn score(&self, lens: &Lens) -> Sheet {
-        Sheet::of(&self.sheet(lens), &lens.profile)
+        self.score_by(lens, |body, arm, task| worksheet(body, arm, task, &lens.profile))
     }
 
-    /// RULA of the other arm: no load, no coupling.
+    /// RULA of the other arm: no load, no coupling, unless it holds on too.
     pub fn other_rula(&self, lens: &Lens) -> RulaSteps {
-        let task =
-            TaskInputs { load_kg: 0.0, load_shock: false, arm_supported: false, ..lens.task };
+        let task = self.task(lens);
+        let task = if lens.both_hands {
+            task
+        } else {
+            TaskInputs { load_kg: 0.0, load_shock: false, arm_supported: false, ..task }
+        };
         let sheet = worksheet(self.trunk_neck(lens.neck), &self.other, &task, &lens.profile);
         rula(&sheet, &lens.profile)
     }
@@ -92,15 +173,18 @@ pub struct Surveyor {
     whole: Skeleton,
     bones: Vec<[Segment; 2]>,
     head: Segment,
-    pelvis: Pose,
-    side: Side,
-    is_seated: bool,
+    rest: Pose,
+    /// The coupled chain with its masses.
+    chain: Linkage,
+    balance: Balance,
+    load_kg: f64,
 }
 
 /// The segments that scores need, found once.
 #[derive(Debug, Clone)]
 struct Measured {
     skeleton: Skeleton,
+    pelvis: Segment,
     l5: Segment,
     t8: Segment,
     neck: Segment,
@@ -121,12 +205,18 @@ struct ArmSegments {
 }
 
 impl Measured {
-    fn new(body: &Body, side: Side, with_legs: bool) -> Result<Self, InputError> {
-        let skeleton = Skeleton::new(body, side, with_legs)?;
+    fn new(
+        body: &Body,
+        coupled: Coupled,
+        stance: Stance,
+        with_legs: bool,
+    ) -> Result<Self, InputError> {
+        let skeleton = Skeleton::new(body, coupled, stance, with_legs)?;
         let still = skeleton.pose(&vec![0.0; skeleton.dof()]);
         let of = |name: &str| skeleton.segment(name);
         let (l5, t8, neck, head) = (of("L5")?, of("T8")?, of("Neck")?, of("Head")?);
-        let grip = of(side.grip())?;
+        let side = coupled.hands.lead();
+        let (pelvis, grip) = (of("Pelvis")?, of(side.grip())?);
         let arm = |side: Side| {
             let of = |part: &str| skeleton.segment(&format!("{}{part}", side.prefix()));
             let upper = of("UpperArm")?;
@@ -141,52 +231,93 @@ impl Measured {
             })
         };
         let arms = [arm(side)?, arm(side.other())?];
-        Ok(Self { skeleton, l5, t8, neck, head, grip, arms })
+        Ok(Self { skeleton, pelvis, l5, t8, neck, head, grip, arms })
     }
-}
-
-/// All joint angles of a skeleton: the coupled chain as given, the other arm hanging with the thumb
-/// forward, the rest at zero.
-fn whole_posture(skeleton: &Skeleton, side: Side, q: &DVector<f64>) -> Vec<f64> {
-    let mut all = vec![0.0; skeleton.dof()];
-    all[..q.len()].copy_from_slice(q.as_slice());
-    let (pronation, sign) = match side {
-        Side::Right => ("jLeftElbow_Y", -1.0),
-        Side::Left => ("jRightElbow_Y", 1.0),
-    };
-    if let Some(c) = skeleton.column(pronation) {
-        all[c] = sign * std::f64::consts::FRAC_PI_2;
-    }
-    all
 }
 
 impl Surveyor {
-    /// For a body whose pelvis is at `pelvis` in the world.
-    pub fn new(body: &Body, side: Side, pelvis: Pose, stance: Stance) -> Result<Self, InputError> {
-        let whole = Skeleton::new(body, side, true)?;
-        let is_seated = matches!(stance, Stance::Seated { .. });
+    /// For a body whose rest frame is at `rest` in the world, with a load (kg) in its coupled hands.
+    pub fn new(
+        body: &Body,
+        coupled: Coupled,
+        rest: Pose,
+        (stance, load_kg): (Stance, f64),
+    ) -> Result<Self, InputError> {
+        let whole = Skeleton::new(body, coupled, stance, true)?;
         let (bones, head) = (whole.bones()?, whole.segment("Head")?);
-        let upper = Measured::new(body, side, false)?;
-        Ok(Self { upper, whole, bones, head, pelvis, side, is_seated })
+        let upper = Measured::new(body, coupled, stance, false)?;
+        let links = Balance::links(coupled);
+        let names: Vec<&str> = links.iter().map(String::as_str).collect();
+        let chain = body.chain(coupled, &names)?;
+        let balance = Balance::new(body, coupled, (&chain, whole.legs()), load_kg)?;
+        Ok(Self { upper, whole, bones, head, rest, chain, balance, load_kg })
     }
 
-    /// Body angles of the posture `q` (n joints of the coupled chain, rad).
-    pub fn measure(&self, q: &DVector<f64>) -> PostureAngles {
+    /// All joints and the pelvis' coordinates by name, in the order of [`Surveyor::whole`].
+    pub fn joints(&self) -> impl Iterator<Item = &str> {
+        self.whole.joints()
+    }
+
+    /// All coordinates of the body (rad, leg lengths) from those of the coupled chain and the head.
+    pub fn whole(&self, q: &DVector<f64>, head: Head) -> Vec<f64> {
+        self.whole.whole(q.as_slice(), head)
+    }
+
+    /// The load in the coupled hands, kg.
+    pub fn load_kg(&self) -> f64 {
+        self.load_kg
+    }
+
+    /// Body angles of the posture `q` (n coordinates of the coupled chain, rad, leg lengths), the head held
+    /// as drawn.
+    pub fn measure(&self, q: &DVector<f64>, draw: &HeadDraw) -> PostureAngles {
         let parts = &self.upper;
-        let posed = parts.skeleton.pose(&whole_posture(&parts.skeleton, self.side, q));
+        let posed = parts.skeleton.pose(&parts.skeleton.whole(q.as_slice(), Head::default()));
         let mut body = self.body_pose(&posed);
         let neutral = trunk_neck_angles(&body);
-        let [arm, other] = parts.arms.map(|a| measure_arm(&posed, &self.pelvis, a, &body));
-        body.head = self.sight(&posed).head();
-        PostureAngles { neutral, gaze: trunk_neck_angles(&body), arm, other }
+        let [arm, other] = parts.arms.map(|a| measure_arm(&posed, &self.rest, a, &body));
+        let sight = self.sight(&posed, neutral.trunk_flex_deg.to_radians());
+        let thorax = body.thorax;
+        let heads = NeckRule::ALL.map(|rule| sight.head(rule, draw));
+        let necks = [0, 1, 2, 3].map(|i| {
+            if NeckRule::ALL[i] == NeckRule::Neutral {
+                return neutral;
+            }
+            body.head = match NeckRule::ALL[i] {
+                NeckRule::Gaze => thorax * heads[i].about_axes().to_rotation_matrix(),
+                _ => thorax * heads[i].rotation().to_rotation_matrix(),
+            };
+            trunk_neck_angles(&body)
+        });
+        let legs = parts.skeleton.legs();
+        let angles = LegAngles::of(&parts.skeleton.leg_postures(q.as_slice()), legs.hang());
+        let mut frames = Frames::default();
+        self.chain.forward(q.as_slice(), &mut frames);
+        let margin_m = legs.is_standing().then(|| {
+            let pelvis = parts.skeleton.pelvis(q.as_slice());
+            let turn = *pelvis.rotation.to_rotation_matrix().matrix();
+            let bending = legs.bending(&pelvis.translation.vector, &turn);
+            let centre = self.balance.centre((&self.chain, &frames), (legs, &bending));
+            self.balance.margin_m(&centre, angles.heels_deg.to_radians())
+        });
+        let l5s1_nm = GRAVITY * self.balance.lever_kg_m(&self.chain, &frames);
+        PostureAngles {
+            necks,
+            arm,
+            other,
+            legs: angles,
+            heads: [heads[0], heads[1]],
+            margin_m,
+            l5s1_nm,
+        }
     }
 
     /// Trunk, and head in line with it.
     fn body_pose(&self, posed: &PosedSkeleton) -> BodyPose {
-        let at = |segment: Segment| self.pelvis * posed.at(segment);
+        let at = |segment: Segment| self.rest * posed.at(segment);
         let thorax = rotation(&at(self.upper.t8));
         BodyPose {
-            pelvis: rotation(&self.pelvis),
+            pelvis: rotation(&at(self.upper.pelvis)),
             thorax,
             head: thorax,
             l5s1: at(self.upper.l5).translation.vector,
@@ -194,32 +325,24 @@ impl Surveyor {
         }
     }
 
-    fn sight(&self, posed: &PosedSkeleton) -> Sight {
-        let at = |segment: Segment| self.pelvis * posed.at(segment);
+    fn sight(&self, posed: &PosedSkeleton, inclination: f64) -> Sight {
+        let at = |segment: Segment| self.rest * posed.at(segment);
         let (head, hand) = (at(self.upper.head), at(self.upper.grip));
-        Sight::new(&at(self.upper.t8), &head.translation.vector, &hand.translation.vector)
+        let (head, hand) = (head.translation.vector, hand.translation.vector);
+        Sight::new(&at(self.upper.t8), &head, &hand, inclination)
     }
 
     /// Bones as segments in the world, for drawings.
     pub fn bones(&self, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
-        self.bones_at(&self.pelvis, q)
+        self.bones_at(&self.rest, q, Head::default())
     }
 
-    /// The same with the pelvis elsewhere.
-    pub fn bones_at(&self, pelvis: &Pose, q: &DVector<f64>) -> Vec<[[f64; 3]; 2]> {
-        let mut all = whole_posture(&self.whole, self.side, q);
-        if self.is_seated {
-            // Thighs level, shanks upright: legs are not predicted, only drawn.
-            for (joint, angle) in SEATED_LEGS {
-                if let Some(c) = self.whole.column(joint) {
-                    all[c] = angle;
-                }
-            }
-        }
-        let posed = self.whole.pose(&all);
-        let at = |s: Segment| -> [f64; 3] { (pelvis * posed.at(s)).translation.vector.into() };
+    /// The same with the rest frame elsewhere and the head held somehow.
+    pub fn bones_at(&self, rest: &Pose, q: &DVector<f64>, head: Head) -> Vec<[[f64; 3]; 2]> {
+        let posed = self.whole.pose(&self.whole.whole(q.as_slice(), head));
+        let at = |s: Segment| -> [f64; 3] { (rest * posed.at(s)).translation.vector.into() };
         let mut bones: Vec<[[f64; 3]; 2]> = self.bones.iter().map(|pair| pair.map(at)).collect();
-        let head = pelvis * posed.at(self.head);
+        let head = rest * posed.at(self.head);
         let crown = head * nalgebra::Point3::new(0.0, 0.14, 0.0);
         bones.push([head.translation.vector.into(), crown.coords.into()]);
         bones
@@ -260,41 +383,12 @@ fn arm_pose(posed: &PosedSkeleton, pelvis: &Pose, segments: ArmSegments) -> ArmP
 
 /// Head that faces a hand.
 fn gaze(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Rotation {
-    Sight::new(thorax, head_at, hand).head()
+    let facing = Sight::new(thorax, head_at, hand, 0.0).head(NeckRule::Gaze, &HeadDraw::default());
+    (thorax.rotation * facing.about_axes()).to_rotation_matrix()
 }
 
 fn rotation(pose: &Pose) -> Rotation {
     pose.rotation.to_rotation_matrix()
-}
-
-/// Head turned about the trunk's long axis and then nodded so that it faces the hand.
-struct Sight {
-    thorax: nalgebra::UnitQuaternion<f64>,
-    /// Turn to the left, rad, before it is held to the neck's range.
-    turn: f64,
-    /// Nod upward, rad, before it is held to the neck's range.
-    nod: f64,
-}
-
-impl Sight {
-    fn new(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Self {
-        let to = thorax.rotation.inverse() * (hand - head_at);
-        let (turn, nod) = ((-to.z).atan2(to.x), to.y.atan2(to.x.hypot(to.z)));
-        Self { thorax: thorax.rotation, turn, nod }
-    }
-
-    /// Turn and nod within the neck's range, rad.
-    fn held(&self) -> (f64, f64) {
-        let [flexion, extension, twist] = NECK_RANGE_DEG.map(f64::to_radians);
-        (self.turn.clamp(-twist, twist), self.nod.clamp(-flexion, extension))
-    }
-
-    fn head(&self) -> Rotation {
-        let (turn, nod) = self.held();
-        let within = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * turn)
-            * nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * nod);
-        (self.thorax * within).to_rotation_matrix()
-    }
 }
 
 #[cfg(test)]
@@ -305,7 +399,8 @@ mod tests {
         let body = Body::load("male_p50", std::path::Path::new(".")).unwrap();
         let stance = Stance::Standing { shoe_m: 0.03 };
         let pelvis = body.pelvis_pose([1.0, -2.0], 0.7, stance);
-        let surveyor = Surveyor::new(&body, side, pelvis, stance).unwrap();
+        let arm = Coupled::arm(side);
+        let surveyor = Surveyor::new(&body, arm, pelvis, (stance, 0.0)).unwrap();
         (body, surveyor)
     }
 
@@ -317,17 +412,17 @@ mod tests {
             let column = arm.joints().iter().position(|j| j.name == *name).unwrap();
             q[column] = deg.to_radians();
         }
-        surveyor.measure(&q)
+        surveyor.measure(&q, &HeadDraw::default())
     }
 
     #[test]
     fn a_neutral_posture_measures_zero() {
         let a = angles(Side::Right, &[("jRightElbow_Y", 90.0)]);
         for value in [
-            a.neutral.trunk_flex_deg,
-            a.neutral.trunk_side_deg,
-            a.neutral.trunk_twist_deg,
-            a.neutral.neck_flex_deg,
+            a.trunk_neck(NeckRule::Neutral).trunk_flex_deg,
+            a.trunk_neck(NeckRule::Neutral).trunk_side_deg,
+            a.trunk_neck(NeckRule::Neutral).trunk_twist_deg,
+            a.trunk_neck(NeckRule::Neutral).neck_flex_deg,
             a.arm.upper_arm_flex_deg,
             a.arm.upper_arm_abduction_deg,
             a.arm.girdle_elevation_deg,
@@ -351,9 +446,12 @@ mod tests {
         near(angles(Side::Right, &[("jRightWrist_X", -15.0)]).arm.wrist_deviation_deg, 15.0);
         near(angles(Side::Right, &[("jRightC7Shoulder_X", -10.0)]).arm.girdle_elevation_deg, 10.0);
         let bent = angles(Side::Right, &[("jL5S1_Z", -25.0)]);
-        near(bent.neutral.trunk_flex_deg, 25.0);
-        near(bent.neutral.neck_flex_deg, 0.0);
-        near(angles(Side::Right, &[("jT9T8_Y", 20.0)]).neutral.trunk_twist_deg, 20.0);
+        near(bent.trunk_neck(NeckRule::Neutral).trunk_flex_deg, 25.0);
+        near(bent.trunk_neck(NeckRule::Neutral).neck_flex_deg, 0.0);
+        near(
+            angles(Side::Right, &[("jT9T8_Y", 20.0)]).trunk_neck(NeckRule::Neutral).trunk_twist_deg,
+            20.0,
+        );
         // The left side counts the same way.
         near(angles(Side::Left, &[("jLeftElbow_Y", -130.0)]).arm.wrist_twist_deg, 40.0);
         near(angles(Side::Left, &[("jLeftShoulder_X", 40.0)]).arm.upper_arm_abduction_deg, 40.0);
@@ -362,16 +460,19 @@ mod tests {
     #[test]
     fn the_gaze_follows_a_low_hand() {
         let a = angles(Side::Right, &[("jRightShoulder_Z", 45.0), ("jRightElbow_Y", 90.0)]);
-        assert!(a.gaze.neck_flex_deg > 20.0, "{:?}", a.gaze);
-        assert!(a.gaze.neck_twist_deg < -5.0, "to the right: {:?}", a.gaze);
+        let gaze = a.trunk_neck(NeckRule::Gaze);
+        assert!(gaze.neck_flex_deg > 20.0, "{gaze:?}");
+        assert!(gaze.neck_twist_deg < -5.0, "to the right: {gaze:?}");
     }
 
     #[test]
     fn nobody_is_drawn_through_the_floor() {
         let body = Body::load("male_p95", std::path::Path::new(".")).unwrap();
-        for stance in [Stance::Standing { shoe_m: 0.03 }, Stance::Seated { seat_height_m: 0.46 }] {
+        let seated = Stance::Seated { seat_height_m: 0.46, footrest_m: 0.0 };
+        for stance in [Stance::Standing { shoe_m: 0.03 }, seated] {
             let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
-            let surveyor = Surveyor::new(&body, Side::Right, pelvis, stance).unwrap();
+            let arm = Coupled::arm(Side::Right);
+            let surveyor = Surveyor::new(&body, arm, pelvis, (stance, 0.0)).unwrap();
             let bones = surveyor.bones(&DVector::zeros(body.arm(Side::Right).unwrap().dof()));
             let lowest = bones.iter().flatten().map(|p| p[2]).fold(f64::INFINITY, f64::min);
             assert!((0.0..0.15).contains(&lowest), "{stance:?}: {lowest}");

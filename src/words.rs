@@ -13,6 +13,7 @@ pub mod refusal;
 pub mod refused;
 pub mod robot;
 pub mod setting;
+pub mod strain;
 pub mod verdict;
 
 use crate::path::End;

@@ -20,6 +20,7 @@ pub(super) fn print(result: &RunResult, quiet: bool) {
     notes.extend(words::verdict::findings(result, Severity::Note));
     section("Part of the result", &notes);
     section("Warnings", &words::verdict::findings(result, Severity::Caution));
+    print_strain(result);
     print_trust(result);
 }
 
@@ -134,6 +135,18 @@ fn row(
     cells.extend(lost.then(|| right(percent(b.reach_exceeded))));
     cells.extend(marked.then(|| once(limits.to_owned())));
     cells
+}
+
+/// What the whole body does along the lead.
+fn print_strain(result: &RunResult) {
+    let Some(best) = words::verdict::lead(result) else { return };
+    for b in &best.bodies {
+        let Some(strain) = &b.strain else { continue };
+        say!("\nThe body of {} along `{}`", b.body, best.id);
+        for (name, sentence) in words::strain::lines(strain) {
+            say!("  {name:<14} {sentence}");
+        }
+    }
 }
 
 /// How far the figures of the lead can be trusted.

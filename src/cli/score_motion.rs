@@ -83,7 +83,10 @@ fn setting(args: &Args) -> Result<Setting, InputError> {
     let sides = asked.or_else(|| scenario.as_ref().map(coupled)).unwrap_or_default();
     let stance = match (&scenario, declared.seated) {
         (Some(s), _) => s.worker.stance,
-        (None, true) => Stance::Seated { seat_height_m: args.task.seat_height_m.unwrap_or(0.45) },
+        (None, true) => {
+            let seat_height_m = args.task.seat_height_m.unwrap_or(0.45);
+            Stance::Seated { seat_height_m, footrest_m: 0.0 }
+        }
         (None, false) => Stance::Standing { shoe_m: SHOE_M },
     };
     let duration_s = scenario.map(|s| s.duration_s);
@@ -93,7 +96,7 @@ fn setting(args: &Args) -> Result<Setting, InputError> {
 /// The arms of a scenario that are known.
 fn coupled(scenario: &Scenario) -> Vec<Side> {
     let hanging = Declared::of(scenario).hanging;
-    std::iter::once(scenario.worker.side).chain(hanging).collect()
+    scenario.worker.hands.sides().iter().copied().chain(hanging).collect()
 }
 
 fn of_flags(args: &Args) -> Declared {

@@ -7,7 +7,7 @@ use crate::human::Body;
 use crate::math::pose::interpolate;
 use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
-use crate::posture::{Behaviour, Coupling, StartRule, start_postures};
+use crate::posture::{Behaviour, Coupling, Grips, StartRule, start_postures};
 use crate::scenario::Scenario;
 use crate::training::{Trial, trial_of};
 use nalgebra::UnitQuaternion;
@@ -38,7 +38,7 @@ impl<'a> Demonstrator<'a> {
     ) -> Result<Self, InputError> {
         let w = &scenario.worker;
         let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
-        let coupling = Coupling::new(body, w.side, scenario.hold)?;
+        let coupling = Coupling::new(body, w.hands.lead(), scenario.hold)?;
         Ok(Self { scenario, coupling, person, world_to_pelvis: pelvis.inverse() })
     }
 
@@ -51,7 +51,7 @@ impl<'a> Demonstrator<'a> {
         let hand = self.grip(tcp);
         let postures = self.person.postures();
         let rule = StartRule::Sampled;
-        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..LOOKS);
+        let starts = start_postures(&self.coupling, postures, &rule, hand, (0, 0), 0..LOOKS);
         starts.iter().all(|s| s.q.is_some())
     }
 
@@ -103,12 +103,13 @@ impl<'a> Demonstrator<'a> {
         let block = (seed, BLOCK + number);
         let postures = self.person.postures();
         let rule = StartRule::Sampled;
-        let starts = start_postures(&self.coupling, postures, &rule, &hands[0], block, 0..1);
+        let starts = start_postures(&self.coupling, postures, &rule, hands[0], block, 0..1);
         if starts.iter().any(|s| s.q.is_none()) {
             return None;
         }
         // The repetition's number decides between habits.
-        let way = (&times[..], &hands[..]);
+        let grips: Vec<Grips> = hands.iter().map(Into::into).collect();
+        let way = (&times[..], &grips[..]);
         let repeated = self.person.repeat(&self.coupling, way, &starts, block, number as usize);
         let rollout =
             repeated.rollouts.into_iter().next().filter(|r| r.reach_exceeded_at.is_none())?;

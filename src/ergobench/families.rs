@@ -147,8 +147,8 @@ impl Station {
         let [start, goal] = self.ends.map(|p| format!("[{}, {}, {}]", p.x, p.y, p.z));
         let mut text = format!(
             "schema = \"ergopath/scenario/1\"\nname = \"{}\"\ndescription = \"{}, drawn by ErgoBench\"\n\
-             seed = {seed}\n\n[worker]\nbodies = [\"{body}\"]\nposture_model = \"{model}\"\nside = \"right\"\n\
-             {stance}\nat_m = [0.0, 0.0]\nfacing_deg = 0\n\n[grip]\nrpy_deg = [180, 0, -90]\nhold = \"rigid\"\n\n\
+             seed = {seed}\n\n[worker]\nbodies = [\"{body}\"]\nposture_model = \"{model}\"\nhands = \"right\"\n\
+             neck = \"neutral\"\n             {stance}\nat_m = [0.0, 0.0]\nfacing_deg = 0\n\n[grip]\nrpy_deg = [180, 0, -90]\nhold = \"rigid\"\n\n\
              [robot]\npreset = \"panda\"\nbase = {{ position_m = [0.85, 0.0, {}], rpy_deg = [0, 0, 180] }}\n\n\
              [start]\nposition_m = {start}\nrpy_deg = [180, 0, 0]\n\n[goal]\nposition_m = {goal}\n\
              rpy_deg = [180, 0, 0]\n\n[motion]\nduration_s = 4.0\n\n[workspace]\nmin_m = [0.22, -0.70, 0.25]\n\

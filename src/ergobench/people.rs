@@ -25,8 +25,8 @@ use crate::math::pose::rotation_from_axes;
 use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Behaviour, Coupling, HandPath, Hold, PostureDistribution, PostureModel, Repeated, Rollout,
-    Sampler, Sampling, Start, roll_out, simulated_person,
+    Behaviour, Coupling, Grips, HandPath, Hold, PostureDistribution, PostureModel, Repeated,
+    Rollout, Sampler, Sampling, Start, roll_out, simulated_person,
 };
 use effort::Effort;
 use follow::follow;
@@ -173,11 +173,13 @@ impl Behaviour for TruePerson {
     fn repeat(
         &self,
         coupling: &Coupling,
-        path: (&[f64], &[Pose]),
+        grips: (&[f64], &[Grips]),
         starts: &[Start],
         (seed, block): (u64, u32),
         first: usize,
     ) -> Repeated {
+        let led: Vec<Pose> = grips.1.iter().map(|g| g.first).collect();
+        let path = (grips.0, &led[..]);
         let own = |i: usize| {
             stream(seed, Purpose::Posture, CHANCE.wrapping_add(block), (first + i) as u32)
         };
@@ -187,7 +189,7 @@ impl Behaviour for TruePerson {
         let rollouts = match &self.nature {
             Nature::Model(model) => {
                 let law = &model.law;
-                let hand = HandPath::new(coupling, law, path.0.to_vec(), path.1.to_vec());
+                let hand = HandPath::new(coupling, law, grips.0.to_vec(), grips.1.to_vec());
                 let sampler = Sampler::new(law, Sampling::Pathwise);
                 each(&|i, start| {
                     let person = sampler.as_ref().map(|s| s.draw(&mut own(i), &hand));
@@ -265,7 +267,7 @@ mod tests {
         person: TruePerson,
         rollouts: Vec<Rollout>,
         starts: Vec<Start>,
-        path: (Vec<f64>, Vec<Pose>),
+        path: (Vec<f64>, Vec<Grips>),
     }
 
     /// A man of the kind whose hand is, at each share of 4 s, `up` above the low place (m).
@@ -282,12 +284,13 @@ mod tests {
             &coupling,
             person.postures(),
             &StartRule::Sampled,
-            &hands[0],
+            hands[0],
             (1, 1),
             0..COUNT,
         );
-        let rollouts = person.repeat(&coupling, (&times, &hands), &starts, (1, 1), 0).rollouts;
-        Met { coupling, person, rollouts, starts, path: (times, hands) }
+        let grips: Vec<Grips> = hands.iter().map(Into::into).collect();
+        let rollouts = person.repeat(&coupling, (&times, &grips), &starts, (1, 1), 0).rollouts;
+        Met { coupling, person, rollouts, starts, path: (times, grips) }
     }
 
     fn rms_deg(d: &DVector<f64>) -> f64 {

@@ -13,7 +13,7 @@ mod path;
 
 pub use path::{PathLift, lift_from_path};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Where formulas, tables and worked examples were checked; for reports.
 pub const NIOSH_PROVENANCE: &str = "Revised NIOSH lifting equation (Waters et al. 1993; manual 94-110): \
@@ -24,7 +24,7 @@ pub const NIOSH_PROVENANCE: &str = "Revised NIOSH lifting equation (Waters et al
 pub const LOAD_CONSTANT_KG: f64 = 23.0;
 
 /// Where the hands are at one end of a lift.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LiftPoint {
     /// `H`: horizontal distance of the hands from the point midway between the ankles, cm.
     pub horizontal_cm: f64,
@@ -89,7 +89,7 @@ pub struct LiftTask {
 }
 
 /// The six multipliers, each 0 to 1.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LiftMultipliers {
     /// `HM = 25 / H`.
     pub horizontal: f64,
@@ -118,7 +118,7 @@ impl LiftMultipliers {
 }
 
 /// The limit at one end of the lift.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LiftLimit {
     /// Where the hands are.
     pub point: LiftPoint,
@@ -131,7 +131,7 @@ pub struct LiftLimit {
 }
 
 /// A lift by the equation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LiftAssessment {
     /// At the start.
     pub origin: LiftLimit,
@@ -148,7 +148,7 @@ pub struct LiftAssessment {
 }
 
 /// Why the equation does not apply (manual, section 1.2), or less than it seems.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LiftCondition {
     /// One hand lifts.
@@ -168,7 +168,7 @@ pub enum LiftCondition {
 }
 
 /// A remark on a lift.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "note", content = "value", rename_all = "snake_case")]
 pub enum LiftNote {
     /// The equation does not apply.

@@ -2,8 +2,9 @@
 
 use super::generate::{BODY_SCHEMA, BodySheet, generate};
 use super::limits::{PostureLimits, SumLimit};
+use super::pelvis::{PELVIS, REST, SEATED, on_moving_pelvis};
 use super::proportions::{BodySize, Sex};
-use super::side::Side;
+use super::side::{Coupled, Pelvis, Side};
 use crate::files::{InputError, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;
@@ -32,6 +33,9 @@ pub enum Stance {
     Seated {
         /// Height of the seat, m.
         seat_height_m: f64,
+        /// Height of what the feet stand on, m; 0 is the floor.
+        #[serde(default)]
+        footrest_m: f64,
     },
 }
 
@@ -52,6 +56,8 @@ pub struct Body {
     pub hand_length_m: f64,
     /// Bounds on sums of joints.
     pub sums: Vec<SumLimit>,
+    /// The same links and joints on a pelvis that moves.
+    moving: Model,
     /// Text of URDF and sheet, for hashes.
     source: String,
 }
@@ -111,7 +117,7 @@ impl Body {
             }
         }
         for side in [Side::Right, Side::Left] {
-            Linkage::chain(&model, "Pelvis", side.grip())
+            Linkage::chain(&model, PELVIS, side.grip())
                 .map_err(|e| InputError::new(path, format!("is no ergopath body: {e}")))?;
         }
         let joint_names = || model.joints.iter().map(|j| j.name.as_str());
@@ -122,10 +128,13 @@ impl Body {
                 return Err(error.remedy(hint));
             }
         }
+        let moving = on_moving_pelvis(&model, parsed.standing_pelvis_height_m)
+            .map_err(|e| InputError::new(path, format!("is no ergopath body: {e}")))?;
         Ok(Self {
             name: parsed.name,
             size,
             model,
+            moving,
             standing_pelvis_height_m: parsed.standing_pelvis_height_m,
             seat_to_hip_m: parsed.seat_to_hip_m,
             hand_length_m: parsed.hand_length_m,
@@ -144,8 +153,48 @@ impl Body {
     /// # Errors
     /// Never for a body that loaded.
     pub fn arm(&self, side: Side) -> Result<Linkage, InputError> {
-        Linkage::new(&self.model, "Pelvis", &[Tip::link(side.grip())])
-            .map_err(|e| InputError::new(&self.name, e.to_string()))
+        self.chain(Coupled::arm(side), &[])
+    }
+
+    /// The joints that are predicted together, to the grips and to further links on the way: the free
+    /// coordinates of the pelvis first.
+    ///
+    /// # Errors
+    /// Where there is no such link.
+    pub fn chain(&self, coupled: Coupled, links: &[&str]) -> Result<Linkage, InputError> {
+        let grips = coupled.hands.sides().iter().map(|s| Tip::link(s.grip()));
+        let tips: Vec<Tip> = grips.chain(links.iter().map(|l| Tip::link(l))).collect();
+        let linkage = match coupled.pelvis {
+            Pelvis::Rests => Linkage::new(&self.model, PELVIS, &tips),
+            Pelvis::Turns => Linkage::new(&self.moving, SEATED, &tips),
+            Pelvis::Moves => Linkage::new(&self.moving, REST, &tips),
+        };
+        linkage.map_err(|e| InputError::new(&self.name, e.to_string()))
+    }
+
+    /// All joints to some links, the six coordinates of the pelvis first.
+    ///
+    /// # Errors
+    /// Where there is no such link.
+    pub(super) fn whole_linkage(&self, links: &[String]) -> Result<Linkage, InputError> {
+        let tips: Vec<Tip> = links.iter().map(|l| Tip::link(l)).collect();
+        Linkage::new(&self.moving, REST, &tips)
+            .map_err(|e| InputError::new(&self.name, format!("is no ergopath body: {e}")))
+    }
+
+    /// Metres of a pelvis coordinate of one.
+    pub fn leg_m(&self) -> f64 {
+        self.standing_pelvis_height_m
+    }
+
+    /// Height of the floor in the rest frame, m: below zero.
+    pub fn floor_m(&self, stance: Stance) -> f64 {
+        -self.rest_height_m(stance)
+    }
+
+    /// Mass of a segment, kg.
+    pub fn segment_kg(&self, segment: &str) -> f64 {
+        self.model.links.iter().find(|l| l.name == segment).map_or(0.0, |l| l.mass_kg)
     }
 
     /// Limits of a linkage of this body.
@@ -159,7 +208,8 @@ impl Body {
     pub fn admitting<'a>(&self, ranges: impl IntoIterator<Item = (&'a str, f64, f64)>) -> Self {
         let mut wider = self.clone();
         for (name, lower, upper) in ranges {
-            if let Some(joint) = wider.model.joints.iter_mut().find(|j| j.name == name) {
+            let joints = wider.model.joints.iter_mut().chain(&mut wider.moving.joints);
+            for joint in joints.filter(|j| j.name == name) {
                 joint.lower = joint.lower.min(lower);
                 joint.upper = joint.upper.max(upper);
             }
@@ -167,13 +217,18 @@ impl Body {
         wider
     }
 
-    /// Pose of the pelvis (ISB axes) in the world: at the floor point `at_m`, facing `facing` (rad
-    /// about world z, 0 = world x).
-    pub fn pelvis_pose(&self, at_m: [f64; 2], facing: f64, stance: Stance) -> Pose {
-        let height = match stance {
+    /// Height of the resting pelvis above the floor, m.
+    fn rest_height_m(&self, stance: Stance) -> f64 {
+        match stance {
             Stance::Standing { shoe_m } => self.standing_pelvis_height_m + shoe_m,
-            Stance::Seated { seat_height_m } => seat_height_m + self.seat_to_hip_m,
-        };
+            Stance::Seated { seat_height_m, .. } => seat_height_m + self.seat_to_hip_m,
+        }
+    }
+
+    /// Pose of the resting pelvis (ISB axes) in the world, the rest frame: over the floor point `at_m`,
+    /// facing `facing` (rad about world z, 0 = world x).
+    pub fn pelvis_pose(&self, at_m: [f64; 2], facing: f64, stance: Stance) -> Pose {
+        let height = self.rest_height_m(stance);
         let forward = Vec3::new(facing.cos(), facing.sin(), 0.0);
         let right = forward.cross(&Vec3::z());
         let rotation = rotation_from_axes(forward, Vec3::z(), right);

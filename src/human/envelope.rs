@@ -6,12 +6,12 @@
 //! about 10 mm beyond the mean, chest and belly by about 30 mm; clothes and hair are not included.
 
 use super::body::{Body, Stance};
-use super::side::Side;
-use super::skeleton::Skeleton;
+use super::side::{Coupled, Hands, Side};
+use super::skeleton::{Head, Segment, Skeleton};
 use crate::files::InputError;
-use crate::kinematics::{Frames, Linkage, Tip};
+use crate::kinematics::Frames;
 use crate::math::{Pose, Vec3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Density of limbs and head, and of the trunk with its lungs, kg/m^3 (assumed).
 const LIMB_DENSITY: f64 = 1050.0;
@@ -23,14 +23,6 @@ const BELOW_HIPS: f64 = 0.05;
 /// Share of the hand's length that a closed hand takes up (assumed).
 const CLOSED_HAND: f64 = 0.6;
 
-/// Angles of the legs of a seated body, rad: thighs level, shanks upright. Legs are not predicted.
-pub const SEATED_LEGS: [(&str, f64); 4] = [
-    ("jRightHip_Z", FRAC_PI_2),
-    ("jLeftHip_Z", FRAC_PI_2),
-    ("jRightKnee_Z", -FRAC_PI_2),
-    ("jLeftKnee_Z", -FRAC_PI_2),
-];
-
 /// One capsule of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyPart {
@@ -38,21 +30,18 @@ pub struct BodyPart {
     pub name: String,
     /// Radius, m.
     pub radius_m: f64,
-    /// True for hand and forearm of the side that holds on to the robot.
+    /// True for hand and forearm of a side that holds on to the robot.
     pub is_coupled: bool,
-    /// Tip of the linkage that is the segment's frame; none for the pelvis.
-    tip: Option<usize>,
+    segment: Segment,
     /// Ends of the axis in that frame, m.
     ends: [Vec3; 2],
 }
 
-/// The capsules of one body with one hand on the robot.
+/// The capsules of one body with its hands on the robot.
 #[derive(Debug, Clone)]
 pub struct Envelope {
-    linkage: Linkage,
+    skeleton: Skeleton,
     parts: Vec<BodyPart>,
-    /// The joints that are not in the coupled chain: the other arm hanging, legs as the stance says.
-    rest: Vec<f64>,
 }
 
 /// Scratch for placing an envelope.
@@ -63,39 +52,22 @@ pub struct EnvelopeScratch {
 }
 
 impl Envelope {
-    /// For a body whose hand of `side` holds on to the robot.
+    /// For a body whose coupled hands hold on to the robot.
     ///
     /// # Errors
     /// Never for a body that loaded.
-    pub fn new(body: &Body, side: Side, stance: Stance) -> Result<Self, InputError> {
-        let segments = Segments::new(body)?;
-        let mut names = vec![side.grip().to_owned()];
-        let mut parts = Vec::new();
-        for sketch in segments.sketches(side)? {
-            let tip = (sketch.segment != "Pelvis").then(|| {
-                names.iter().position(|n| *n == sketch.segment).unwrap_or_else(|| {
-                    names.push(sketch.segment.clone());
-                    names.len() - 1
-                })
-            });
-            let Sketch { name, radius_m, is_coupled, ends, .. } = sketch;
-            parts.push(BodyPart { name, radius_m, is_coupled, tip, ends });
-        }
-        let tips: Vec<Tip> = names.iter().map(|n| Tip::link(n)).collect();
-        let linkage = Linkage::new(&body.model, "Pelvis", &tips)
-            .map_err(|e| InputError::new(&body.name, format!("is no ergopath body: {e}")))?;
-        let coupled = body.arm(side)?.dof();
-        let angle = |name: &str| {
-            let (pronation, sign) = match side {
-                Side::Right => ("jLeftElbow_Y", -1.0),
-                Side::Left => ("jRightElbow_Y", 1.0),
-            };
-            let seated = matches!(stance, Stance::Seated { .. });
-            let leg = SEATED_LEGS.iter().find(|(n, _)| seated && *n == name);
-            if name == pronation { sign * FRAC_PI_2 } else { leg.map_or(0.0, |(_, a)| *a) }
+    pub fn new(body: &Body, coupled: Coupled, stance: Stance) -> Result<Self, InputError> {
+        let skeleton = Skeleton::new(body, coupled, stance, true)?;
+        let segments = Segments::new(body, &skeleton);
+        let part = |sketch: Sketch| {
+            let Sketch { name, segment, radius_m, is_coupled, ends } = sketch;
+            let segment = skeleton.segment(&segment)?;
+            Ok(BodyPart { name, radius_m, is_coupled, segment, ends })
         };
-        let rest = linkage.joints()[coupled..].iter().map(|j| angle(&j.name)).collect();
-        Ok(Self { linkage, parts, rest })
+        let sketches = segments.sketches(coupled.hands)?;
+        let parts: Result<Vec<BodyPart>, InputError> = sketches.into_iter().map(part).collect();
+        let parts = parts?;
+        Ok(Self { skeleton, parts })
     }
 
     /// The capsules, in the order of [`Envelope::place`].
@@ -103,33 +75,39 @@ impl Envelope {
         &self.parts
     }
 
-    /// Ends of the capsules' axes in the world (m), for a pelvis there and the joints of the coupled
-    /// chain (rad).
+    /// Ends of the capsules' axes in the world (m), for the rest frame there and the joints of the coupled
+    /// chain (rad, leg lengths). The head is in line with the trunk.
     ///
     /// # Panics
     /// When `q` has not as many values as the coupled chain has joints.
     pub fn place(
         &self,
-        pelvis: &Pose,
+        rest: &Pose,
         q: &[f64],
         scratch: &mut EnvelopeScratch,
         ends: &mut Vec<[Vec3; 2]>,
     ) {
-        scratch.q.clear();
-        scratch.q.extend_from_slice(q);
-        scratch.q.extend_from_slice(&self.rest);
-        self.linkage.forward(&scratch.q, &mut scratch.frames);
-        let turn = *pelvis.rotation.to_rotation_matrix().matrix();
-        let at = pelvis.translation.vector;
+        self.place_with(rest, q, Head::default(), scratch, ends);
+    }
+
+    /// The same with the head held somehow.
+    pub fn place_with(
+        &self,
+        rest: &Pose,
+        q: &[f64],
+        head: Head,
+        scratch: &mut EnvelopeScratch,
+        ends: &mut Vec<[Vec3; 2]>,
+    ) {
+        scratch.q.resize(self.skeleton.dof(), 0.0);
+        self.skeleton.whole_into(q, head, &mut scratch.q);
+        self.skeleton.forward(&scratch.q, &mut scratch.frames);
+        let turn = *rest.rotation.to_rotation_matrix().matrix();
+        let at = rest.translation.vector;
         ends.clear();
         ends.extend(self.parts.iter().map(|part| {
-            let (p, r) = match part.tip {
-                Some(tip) => {
-                    let (p, r) = self.linkage.tip_frame(&scratch.frames, tip);
-                    (at + turn * p, turn * r)
-                }
-                None => (at, turn),
-            };
+            let (p, r) = self.skeleton.frame(&scratch.frames, part.segment);
+            let (p, r) = (at + turn * p, turn * r);
             part.ends.map(|x| p + r * x)
         }));
     }
@@ -147,12 +125,12 @@ struct Sketch {
 /// Where segments are on the upright body, and what they weigh.
 struct Segments<'a> {
     body: &'a Body,
-    skeleton: Skeleton,
+    skeleton: &'a Skeleton,
 }
 
 impl<'a> Segments<'a> {
-    fn new(body: &'a Body) -> Result<Self, InputError> {
-        Ok(Self { body, skeleton: Skeleton::new(body, Side::Right, true)? })
+    fn new(body: &'a Body, skeleton: &'a Skeleton) -> Self {
+        Self { body, skeleton }
     }
 
     /// Origins of segments in the pelvis frame; all frames are parallel there.
@@ -162,8 +140,7 @@ impl<'a> Segments<'a> {
     }
 
     fn mass(&self, name: &str) -> f64 {
-        let link = self.body.model.links.iter().find(|l| l.name == name);
-        link.map_or(0.0, |l| l.mass_kg)
+        self.body.segment_kg(name)
     }
 
     /// A limb from its joint along `axis`.
@@ -173,7 +150,7 @@ impl<'a> Segments<'a> {
         Sketch { name, segment, ends: [Vec3::zeros(), axis], radius_m, is_coupled }
     }
 
-    fn sketches(&self, coupled: Side) -> Result<Vec<Sketch>, InputError> {
+    fn sketches(&self, coupled: Hands) -> Result<Vec<Sketch>, InputError> {
         let way = |from: &str, to: &str| Ok::<_, InputError>(self.at(to)? - self.at(from)?);
         let mut all = self.trunk()?;
         all.push(self.limb("neck".into(), "Neck".into(), way("Neck", "Head")?, false));
@@ -183,7 +160,7 @@ impl<'a> Segments<'a> {
             let low = prefix.to_lowercase();
             let of = |segment: &str| format!("{prefix}{segment}");
             let way = |from: &str, to: &str| way(&of(from), &of(to));
-            let is_coupled = side == coupled;
+            let is_coupled = coupled.hold(side);
             let hand = Vec3::new(0.0, -CLOSED_HAND * self.body.hand_length_m, 0.0);
             all.extend([
                 self.limb(
@@ -261,11 +238,12 @@ impl<'a> Segments<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
     fn standing(name: &str) -> (Body, Envelope, Vec<[Vec3; 2]>) {
         let body = Body::load(name, std::path::Path::new(".")).unwrap();
         let stance = Stance::Standing { shoe_m: 0.03 };
-        let envelope = Envelope::new(&body, Side::Right, stance).unwrap();
+        let envelope = Envelope::new(&body, Coupled::arm(Side::Right), stance).unwrap();
         let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
         let mut ends = Vec::new();
         let q = vec![0.0; body.arm(Side::Right).unwrap().dof()];
@@ -330,7 +308,8 @@ mod tests {
             assert_eq!(moved > 0.1, is_arm, "{}: {moved}", part.name);
         }
         // Seated, the knees are as far forward as the thighs are long.
-        let seated = Envelope::new(&body, Side::Right, Stance::Seated { seat_height_m: 0.45 });
+        let seat = Stance::Seated { seat_height_m: 0.45, footrest_m: 0.0 };
+        let seated = Envelope::new(&body, Coupled::arm(Side::Right), seat);
         let mut ends = Vec::new();
         seated.unwrap().place(
             &pelvis,

@@ -1,4 +1,4 @@
-//! How far from the shoulder a hand can be at all, the pelvis standing still.
+//! How far from the shoulder a hand can be at all.
 //!
 //! The shoulder moves with trunk and girdle, so that arm length alone would cut off places that people
 //! do reach. The ball here is about the shoulder of the upright posture and holds every grip position
@@ -10,9 +10,9 @@
 //! a point is largest where the sine and cosine say, or at the nearer end of the joint's range.
 
 use super::body::Body;
-use super::side::Side;
+use super::side::{Coupled, Pelvis, Side};
 use crate::files::InputError;
-use crate::kinematics::{Frames, Linkage, Tip};
+use crate::kinematics::{Frames, Linkage};
 use crate::math::Vec3;
 
 /// Sweeps over all joints.
@@ -22,15 +22,15 @@ const SETTLED_M: f64 = 1e-5;
 /// What is added because ascent may stop short.
 const MARGIN: f64 = 1.02;
 
-/// Middle (pelvis frame, m) and radius (m) of a ball that holds every position of the grip.
+/// Middle (rest frame, m) and radius (m) of a ball that holds every position of the grip, the pelvis at
+/// rest or anywhere within its coordinates' ranges.
 ///
 /// # Errors
 /// Never for a body that loaded.
-pub fn reach_ball(body: &Body, side: Side) -> Result<(Vec3, f64), InputError> {
+pub fn reach_ball(body: &Body, side: Side, pelvis: Pelvis) -> Result<(Vec3, f64), InputError> {
     let shoulder = format!("{}UpperArm", side.prefix());
-    let tips = [side.grip(), shoulder.as_str()].map(Tip::link);
-    let arm = Linkage::new(&body.model, "Pelvis", &tips)
-        .map_err(|e| InputError::new(&body.name, e.to_string()))?;
+    let coupled = Coupled { hands: side.into(), pelvis };
+    let arm = body.chain(coupled, &[&shoulder])?;
     let mut frames = Frames::default();
     arm.forward(&vec![0.0; arm.dof()], &mut frames);
     let (center, _) = arm.tip_frame(&frames, 1);
@@ -44,14 +44,14 @@ pub fn reach_ball(body: &Body, side: Side) -> Result<(Vec3, f64), InputError> {
     Ok((center, MARGIN * farthest.fold(0.0, f64::max)))
 }
 
-/// How far a point (pelvis frame, m) is from the nearest place to which any posture brings the grip,
+/// How far a point (rest frame, m) is from the nearest place to which any posture brings the grip,
 /// however the hand is turned, m; about zero when it can be reached. Bounds on sums of joints are left
 /// out, so that it is never too large but for the descent stopping short.
 ///
 /// # Errors
 /// Never for a body that loaded.
-pub fn reach_gap(body: &Body, side: Side, point: &Vec3) -> Result<f64, InputError> {
-    let arm = body.arm(side)?;
+pub fn reach_gap(body: &Body, side: Side, pelvis: Pelvis, point: &Vec3) -> Result<f64, InputError> {
+    let arm = body.chain(Coupled { hands: side.into(), pelvis }, &[])?;
     let range = |share: f64| -> Vec<f64> {
         let joints = arm.joints().iter();
         joints.map(|j| j.lower + share * (j.upper - j.lower)).collect()
@@ -74,11 +74,17 @@ fn sweep(arm: &Linkage, center: &Vec3, mut q: Vec<f64>, is_away: bool) -> f64 {
             let jacobian = arm.jacobian(&frames, 0);
             let tangent: Vec3 = jacobian.fixed_view::<3, 1>(0, i).into();
             let axis: Vec3 = jacobian.fixed_view::<3, 1>(3, i).into();
+            let joint = &arm.joints()[i];
+            if joint.is_prismatic {
+                let along = (center - grip).dot(&tangent) / tangent.norm_squared();
+                let far = if along > 0.0 { joint.lower } else { joint.upper };
+                q[i] = if is_away { far } else { (q[i] + along).clamp(joint.lower, joint.upper) };
+                continue;
+            }
             // From the axis to the grip, and from the middle of the circle to the center.
             let radial = tangent.cross(&axis);
             let to = center - (grip - radial);
             let turn = (sign * tangent.dot(&to)).atan2(sign * radial.dot(&to));
-            let joint = &arm.joints()[i];
             q[i] = best_in_range(q[i] + turn, joint.lower, joint.upper);
         }
         arm.forward(&q, &mut frames);
@@ -112,7 +118,7 @@ mod tests {
     fn no_posture_leaves_the_ball_and_the_ball_is_not_vast() {
         for (name, _) in super::super::PRESETS {
             let body = Body::load(name, Path::new(".")).unwrap();
-            let (center, radius) = reach_ball(&body, Side::Right).unwrap();
+            let (center, radius) = reach_ball(&body, Side::Right, Pelvis::Rests).unwrap();
             let arm = body.arm(Side::Right).unwrap();
             let mut frames = Frames::default();
             let mut farthest = 0.0f64;
@@ -130,9 +136,9 @@ mod tests {
             assert!(radius > 0.4 * body.size.stature_m, "{name}: {radius}");
             // The grip of some posture can be reached; a place past the ball by what is past.
             let there = arm.tip_frame(&frames, 0).0;
-            assert!(reach_gap(&body, Side::Right, &there).unwrap() < 1e-3, "{name}");
+            assert!(reach_gap(&body, Side::Right, Pelvis::Rests, &there).unwrap() < 1e-3, "{name}");
             let beyond = center + Vec3::x() * (radius + 0.1);
-            assert!(reach_gap(&body, Side::Right, &beyond).unwrap() > 0.1, "{name}");
+            assert!(reach_gap(&body, Side::Right, Pelvis::Rests, &beyond).unwrap() > 0.1, "{name}");
         }
     }
 }

@@ -11,7 +11,7 @@
 use super::model::{Joint, JointKind, Model};
 use crate::files::suggest;
 use crate::math::{Pose, Vec3};
-use nalgebra::{DMatrix, Matrix3, Matrix6xX, UnitQuaternion};
+use nalgebra::{DMatrix, Matrix3, Matrix6, Matrix6xX, UnitQuaternion};
 use thiserror::Error;
 
 /// A frame that a task or a drawing refers to: a link with a rigid offset.
@@ -328,6 +328,46 @@ impl Linkage {
                 target[5] += a.z;
             }
         }
+    }
+
+    /// Adds `weight` times the velocity of a point (base axes, m) that is fixed to a tip, by each column.
+    ///
+    /// # Panics
+    /// When `velocities` has not n values.
+    pub fn add_point_velocity(
+        &self,
+        frames: &Frames,
+        tip: usize,
+        point: &Vec3,
+        weight: f64,
+        velocities: &mut [Vec3],
+    ) {
+        for &i in &self.tips[tip].path {
+            let node = &self.nodes[i];
+            let Some(column) = node.column else { continue };
+            let a = frames.axis[i] * (node.multiplier * weight);
+            velocities[column] +=
+                if node.is_prismatic { a } else { a.cross(&(point - frames.origin[i])) };
+        }
+    }
+
+    /// Twist of a tip by each of the first `count` columns, six at most: velocity of its origin over angular
+    /// velocity, 6 x 6 with zeros behind.
+    pub fn leading_columns(&self, frames: &Frames, tip: usize, count: usize) -> Matrix6<f64> {
+        let mut columns = Matrix6::zeros();
+        let (p, _) = self.tip_frame(frames, tip);
+        for &i in self.tips[tip].path.iter().take(count) {
+            let node = &self.nodes[i];
+            let Some(c) = node.column.filter(|c| *c < count.min(6)) else { continue };
+            let a = frames.axis[i] * node.multiplier;
+            if node.is_prismatic {
+                columns.fixed_view_mut::<3, 1>(0, c).copy_from(&a);
+            } else {
+                columns.fixed_view_mut::<3, 1>(0, c).copy_from(&a.cross(&(p - frames.origin[i])));
+                columns.fixed_view_mut::<3, 1>(3, c).copy_from(&a);
+            }
+        }
+        columns
     }
 
     /// Geometric Jacobian of a tip, 6 x n.

@@ -40,7 +40,7 @@ pub struct Joint {
     pub child: usize,
     /// Pose of the joint frame in the parent link's frame at position zero.
     pub origin: Pose,
-    /// Unit axis in the joint frame.
+    /// Axis in the joint frame: a unit vector, or of a sliding joint the metres of a coordinate of one.
     pub axis: Vec3,
     /// Lower limit, rad or m; minus infinity for continuous joints.
     pub lower: f64,

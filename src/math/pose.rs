@@ -36,6 +36,13 @@ pub fn interpolate(a: &Pose, b: &Pose, s: f64) -> Pose {
     Pose::from_parts(p.into(), UnitQuaternion::from_scaled_axis(turn * s) * a.rotation)
 }
 
+/// Angles (rad) about Z, X and Y in that order, of a rotation `R_z R_x R_y`.
+pub fn zxy(rotation: &nalgebra::Matrix3<f64>) -> [f64; 3] {
+    let r = rotation;
+    let x = r[(2, 1)].clamp(-1.0, 1.0).asin();
+    [(-r[(0, 1)]).atan2(r[(1, 1)]), x, (-r[(2, 0)]).atan2(r[(2, 2)])]
+}
+
 /// The rotation whose columns are the given orthonormal, right-handed axes.
 pub fn rotation_from_axes(x: Vec3, y: Vec3, z: Vec3) -> UnitQuaternion<f64> {
     let matrix = nalgebra::Matrix3::from_columns(&[x, y, z]);

@@ -56,7 +56,7 @@ impl Workshop<'_> {
             let to_pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance).inverse();
             let of = |tcp: &crate::math::Pose| {
                 let grip = (to_pelvis * tcp * scenario.grip).translation.vector;
-                reach_gap(body, w.side, &grip).unwrap_or(0.0)
+                reach_gap(body, w.hands.lead(), w.pelvis, &grip).unwrap_or(0.0)
             };
             // A few places along the path tell as much as all.
             let stride = (path.poses.len() / 8).max(1);

@@ -6,7 +6,7 @@ use super::cell_look::{
 };
 use super::person::Person;
 use crate::files::InputError;
-use crate::human::{Segment, Side, Skeleton, Stance};
+use crate::human::{Coupled, Segment, Side, Skeleton, Stance};
 use crate::path::Box3;
 use crate::robot::NoMotion;
 use crate::scenario::{LowHand, Scenario};
@@ -189,10 +189,10 @@ impl Intrusion {
 impl HangingFeet {
     pub(super) fn of(scenario: &Scenario) -> Result<Vec<Self>, InputError> {
         let worker = &scenario.worker;
-        let Stance::Seated { .. } = worker.stance else { return Ok(Vec::new()) };
+        let Stance::Seated { footrest_m, .. } = worker.stance else { return Ok(Vec::new()) };
         let mut all = Vec::new();
         for body in &worker.bodies {
-            let skeleton = Skeleton::new(body, Side::Right, true)?;
+            let skeleton = Skeleton::new(body, Coupled::arm(Side::Right), worker.stance, true)?;
             let upright = skeleton.pose(&vec![0.0; skeleton.dof()]);
             let [thigh, shank] = ["RightUpperLeg", "RightLowerLeg"].map(|s| skeleton.segment(s));
             let height = |segment: Segment| upright.at(segment).translation.vector.y;
@@ -200,7 +200,7 @@ impl HangingFeet {
             let pelvis = body.pelvis_pose(worker.at_m, worker.facing, worker.stance);
             let hip_m = pelvis.translation.vector.z + height(thigh?);
             let knee_to_sole_m = body.standing_pelvis_height_m + height(shank?);
-            let above_m = hip_m - knee_to_sole_m - SHOE_M;
+            let above_m = hip_m - knee_to_sole_m - SHOE_M - footrest_m;
             if above_m > RAISED_HEEL_M {
                 all.push(Self { body: body.name.clone(), above_m });
             }

@@ -178,7 +178,7 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
                 end,
                 reached: person.reaching(tcp, &nominal, TRIES),
                 tries: TRIES,
-                gap_m: reach_gap(body, w.side, &grip)?,
+                gap_m: reach_gap(body, w.hands.lead(), w.pelvis, &grip)?,
             });
         }
     }

@@ -272,7 +272,7 @@ fn asked(scenario: &Scenario) -> Vec<Asked> {
         |s, d| {
             match &mut s.worker.stance {
                 Stance::Standing { shoe_m } => *shoe_m += d,
-                Stance::Seated { seat_height_m } => *seat_height_m += d,
+                Stance::Seated { seat_height_m, .. } => *seat_height_m += d,
             }
             Box::new(|p, _| *p)
         },

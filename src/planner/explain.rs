@@ -7,7 +7,7 @@ use super::result::{
     StartKind, WorkerFacts,
 };
 use crate::ergonomics::PerMethod;
-use crate::human::Stance;
+use crate::human::{Hands, Pelvis, Stance};
 use crate::posture::StartRule;
 use crate::robot::Obstacle;
 use crate::scenario::{Origin, OtherArm, Scenario};
@@ -53,24 +53,34 @@ fn given(given: bool) -> Origin {
 
 fn posture_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
     let worker = &scenario.worker;
-    let other_neck = match worker.neck {
-        NeckRule::Neutral => NeckRule::Gaze,
-        NeckRule::Gaze => NeckRule::Neutral,
-    };
+    let by_neck = |rule: NeckRule| look.changed(Alternative::Neck(rule), |l| l.neck = rule);
+    // The rules that nobody predicts stand beside what is in force.
+    let others = [NeckRule::Neutral, NeckRule::Gaze].into_iter().filter(|r| *r != worker.neck);
+    let is_both = worker.hands == Hands::Both;
     let arm = match worker.other_arm {
         OtherArm::Unknown => Origin::Unknown,
         OtherArm::Hanging => Origin::FromTheTask,
+        OtherArm::Predicted => Origin::Predicted,
     };
+    let neck = match worker.neck {
+        NeckRule::Predicted | NeckRule::Looking => Origin::Predicted,
+        NeckRule::Neutral | NeckRule::Gaze => Origin::Assumed,
+    };
+    let moves = worker.pelvis != Pelvis::Rests;
     let is_seated = matches!(worker.stance, Stance::Seated { .. });
-    let turned = look.changed(Alternative::Neck(other_neck), |l| l.neck = other_neck);
     let one_leg = look.changed(Alternative::OneLeg, |l| l.task.legs_unbalanced = true);
-    vec![
-        input(ScoreInput::ArmAndTrunk(worker.side), Origin::Predicted, None),
-        input(ScoreInput::OtherArm(worker.other_arm), arm, None),
-        input(ScoreInput::Neck(worker.neck), Origin::Assumed, turned),
+    let legs = if moves { Origin::Predicted } else { Origin::Assumed };
+    let mut all = vec![
+        input(ScoreInput::ArmAndTrunk(worker.hands), Origin::Predicted, None),
         input(ScoreInput::Seated(is_seated), Origin::Assumed, one_leg),
+        input(ScoreInput::Legs(moves), legs, None),
         input(ScoreInput::ArmSupported(worker.arm_supported), given(worker.arm_supported), None),
-    ]
+    ];
+    all.splice(1..1, others.map(|r| input(ScoreInput::Neck(worker.neck), neck, by_neck(r))));
+    if !is_both {
+        all.insert(1, input(ScoreInput::OtherArm(worker.other_arm), arm, None));
+    }
+    all
 }
 
 fn task_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
@@ -110,7 +120,8 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
         description: scenario.description.clone(),
         bodies: w.bodies.iter().map(|b| BodyFacts { name: b.name.clone(), size: b.size }).collect(),
         worker: WorkerFacts {
-            side: w.side,
+            hands: w.hands,
+            pelvis_moves: w.pelvis != Pelvis::Rests,
             stance: w.stance,
             at_m: w.at_m,
             facing: w.facing,
@@ -170,9 +181,14 @@ pub(super) fn model_summary(scenario: &Scenario) -> ModelSummary {
 }
 
 pub(super) fn not_modelled(scenario: &Scenario) -> Vec<NotModelled> {
-    let is_unknown = scenario.worker.other_arm == OtherArm::Unknown;
+    let w = &scenario.worker;
+    let is_unknown = w.other_arm == OtherArm::Unknown && w.hands != Hands::Both;
+    let stands = match w.pelvis {
+        Pelvis::Rests => NotModelled::Legs,
+        Pelvis::Turns | Pelvis::Moves => NotModelled::Steps,
+    };
     let all = [
-        NotModelled::Legs,
+        stands,
         NotModelled::Forces,
         NotModelled::Contact,
         NotModelled::Fatigue,

@@ -8,7 +8,6 @@ use super::result::CandidateResult;
 use super::scene::{
     Points, Scene, SceneMotion, SceneObstacle, ScenePeople, SceneRobot, SceneShape, Walker, joined,
 };
-use crate::human::EnvelopeScratch;
 use crate::math::{Pose, Vec3};
 use crate::robot::{Obstacle, Robot, capsules, stick};
 use crate::scenario::Scenario;
@@ -120,26 +119,15 @@ impl Filming<'_> {
         let typical = self.typical(&repetitions.all);
         let shown: Vec<usize> =
             typical.into_iter().chain(self.ghosts(&repetitions.all, rula)).collect();
-        let envelope = &self.person.envelope;
-        let mut scratch = EnvelopeScratch::default();
-        let mut place = |q: &DVector<f64>| -> Vec<Vec3> {
-            let mut ends = Vec::new();
-            envelope.place(&self.pelvis, q.as_slice(), &mut scratch, &mut ends);
-            ends.into_iter().flatten().collect()
+        let mannequin = &self.person.mannequin;
+        let place = |repetition: &Repetition, k: usize| {
+            let head = repetition.angles[k].head(self.lens.neck);
+            mannequin.place(&self.pelvis, repetition.rollout.q[k].as_slice(), head)
         };
-        let points: Vec<Points> = shown
-            .iter()
-            .map(|&r| {
-                let repetition = &repetitions.all[r];
-                let moments =
-                    self.reached(repetition).iter().map(|&k| place(&repetition.rollout.q[k]));
-                Points::of(&moments.collect::<Vec<_>>())
-            })
-            .collect();
-        let radii: Vec<f64> = envelope.parts().iter().map(|p| p.radius_m).collect();
-        let (capsules, tracks) = joined(&points, &radii);
-        let mut walkers = shown.iter().zip(tracks).map(|(&rollout, track)| {
+        let mut walkers = shown.iter().map(|&rollout| {
             let repetition = &repetitions.all[rollout];
+            let moments = self.reached(repetition).iter().map(|&k| place(repetition, k));
+            let track = Points::of(&moments.collect::<Vec<_>>()).whole();
             let scores =
                 self.reached(repetition).iter().map(|&k| repetition.angles[k].score(self.lens));
             let (rula, reba) = scores.map(|s| (s.rula.grand, s.reba.total)).unzip();
@@ -147,6 +135,7 @@ impl Filming<'_> {
         });
         let typical = typical.and_then(|_| walkers.next());
         let body = self.person.name.clone();
+        let capsules = mannequin.pieces().iter().map(Into::into).collect();
         ScenePeople { body, capsules, typical, ghosts: walkers.collect() }
     }
 

@@ -1,7 +1,7 @@
 //! How a scenario's task and worker enter the score sheets.
 
 use crate::ergonomics::TaskInputs;
-use crate::human::Stance;
+use crate::human::{Hands, Stance};
 use crate::scenario::Scenario;
 use crate::survey::Lens;
 
@@ -26,6 +26,7 @@ pub(super) fn lens(scenario: &Scenario) -> Lens {
             arm_supported: w.arm_supported,
         },
         neck: w.neck,
+        both_hands: w.hands == Hands::Both,
         profile: scenario.score_profile,
     }
 }

@@ -4,7 +4,10 @@
 use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{Moment, MomentKind};
+use super::scene::PosedMannequin;
 use crate::ergonomics::{Clock, Sheet, TimeRules};
+use crate::human::{Head, Mannequin};
+use crate::math::Pose;
 use crate::scenario::Variant;
 use crate::survey::{Lens, PostureAngles};
 use nalgebra::DVector;
@@ -113,6 +116,8 @@ impl Place<'_> {
         let angles = &repetition.angles[k];
         let Sheet { rula, reba } = angles.score(self.lens);
         let (t, arm) = (angles.trunk_neck(self.lens.neck), &angles.arm);
+        let (rest, q) = (self.person.pelvis(self.variant), &repetition.rollout.q[k]);
+        let head = angles.head(self.lens.neck);
         let named = [
             ("trunk flexion", t.trunk_flex_deg),
             ("trunk side bend", t.trunk_side_deg),
@@ -124,6 +129,8 @@ impl Place<'_> {
             ("wrist flexion", arm.wrist_flex_deg),
             ("wrist deviation", arm.wrist_deviation_deg),
             ("forearm twist", arm.wrist_twist_deg),
+            ("right knee flexion", angles.legs.knees_deg[0]),
+            ("left knee flexion", angles.legs.knees_deg[1]),
         ];
         Moment {
             what,
@@ -134,10 +141,17 @@ impl Place<'_> {
             rula: rula.grand,
             reba: reba.total,
             angles_deg: named.map(|(name, deg)| (name.to_owned(), deg)).to_vec(),
-            bones: self
-                .person
-                .surveyor
-                .bones_at(&self.person.pelvis(self.variant), &repetition.rollout.q[k]),
+            bones: self.person.surveyor.bones_at(&rest, q, head),
+            mannequin: posed(&self.person.mannequin, &rest, q, head),
         }
+    }
+}
+
+fn posed(mannequin: &Mannequin, rest: &Pose, q: &DVector<f64>, head: Head) -> PosedMannequin {
+    let points = mannequin.place(rest, q.as_slice(), head);
+    PosedMannequin {
+        // Whole millimetres are enough for a picture.
+        points_m: points.into_iter().map(|p| p.map(|c| (1e3 * c).round() / 1e3).into()).collect(),
+        capsules: mannequin.pieces().iter().map(Into::into).collect(),
     }
 }

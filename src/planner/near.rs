@@ -283,7 +283,7 @@ mod tests {
             let person = &people[0];
             let repetitions = person.repeat(path, &prepared.variant, (1, 7), 0..12);
             let w = &scenario.worker;
-            let envelope = Envelope::new(&w.bodies[0], w.side, w.stance).unwrap();
+            let envelope = Envelope::new(&w.bodies[0], w.coupled(), w.stance).unwrap();
             let pelvis = w.bodies[0].pelvis_pose(w.at_m, w.facing, w.stance);
             let plain = naively(&repetitions, (&envelope, &pelvis), (&scenario.robot, &motion.q));
             let found = |care: Care| -> Vec<f64> {

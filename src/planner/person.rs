@@ -4,17 +4,25 @@ use super::near::{ArmAlong, Closest};
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{PosePicture, RolloutTable};
 use crate::files::InputError;
-use crate::human::{Body, BodyPart, Envelope, EnvelopeScratch};
+use crate::human::{
+    Body, BodyPart, Envelope, EnvelopeScratch, Hands, Head, Mannequin, column_of, column_unit,
+    mirror_sign, mirrored_pose,
+};
+use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Behaviour, Certain, Coupling, Modelled, PostureLaw, StartRule, start_postures,
+    Behaviour, Certain, Coupling, Grips, Hold, Modelled, PostureLaw, Start, StartRule,
+    start_postures,
 };
 use crate::robot::{Robot, stick};
 use crate::scenario::{Scenario, Variant};
-use crate::survey::Surveyor;
+use crate::survey::{HeadDraw, Surveyor};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
 use std::ops::Range;
+
+/// Offset of the block number for the heads, so that they draw from other streams than the postures.
+const HEAD_BLOCK: u32 = 1 << 18;
 
 /// How the workers of a scenario move: as its posture model says.
 pub(super) fn modelled(scenario: &Scenario) -> Result<Modelled<'_>, InputError> {
@@ -30,9 +38,12 @@ pub(super) struct Person<'a> {
     pub name: String,
     scenario: &'a Scenario,
     coupling: Coupling,
+    /// Signs of the coupling's coordinates in the mirror image, where the model is of the other hand.
+    mirror: Option<Vec<f64>>,
     body: &'a Body,
     pub(super) surveyor: Surveyor,
     pub(super) envelope: Envelope,
+    pub(super) mannequin: Mannequin,
     behaviour: &'a dyn Behaviour,
 }
 
@@ -44,15 +55,20 @@ impl<'a> Person<'a> {
     ) -> Result<Vec<Self>, InputError> {
         let w = &scenario.worker;
         let of = |body: &'a Body| {
-            let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
-            let coupling = Coupling::new(body, w.side, scenario.hold)?;
+            let rest = body.pelvis_pose(w.at_m, w.facing, w.stance);
+            let second = scenario.second_hand.map(|s| s.hold);
+            let holds: Vec<Hold> = std::iter::once(scenario.hold).chain(second).collect();
+            let held = (w.stance, scenario.task.load_kg);
+            let coupling = Coupling::of_person(body, w.modelled(), &holds, held)?;
             check_chain(&coupling, scenario)?;
             Ok(Self {
                 name: body.name.clone(),
                 scenario,
+                mirror: w.is_mirrored().then(|| coupling.joints().map(mirror_sign).collect()),
                 coupling,
-                surveyor: Surveyor::new(body, w.side, pelvis, w.stance)?,
-                envelope: Envelope::new(body, w.side, w.stance)?,
+                surveyor: Surveyor::new(body, w.coupled(), rest, held)?,
+                envelope: Envelope::new(body, w.coupled(), w.stance)?,
+                mannequin: Mannequin::new(body, w.coupled(), w.stance)?,
                 body,
                 behaviour,
             })
@@ -60,7 +76,7 @@ impl<'a> Person<'a> {
         w.bodies.iter().map(of).collect()
     }
 
-    /// Pelvis in the world.
+    /// The rest frame in the world: the pelvis of the upright body.
     pub(super) fn pelvis(&self, variant: &Variant) -> Pose {
         let stance = self.scenario.worker.stance;
         let mut pelvis = self.body.pelvis_pose(variant.at_m, variant.facing, stance);
@@ -68,10 +84,43 @@ impl<'a> Person<'a> {
         pelvis
     }
 
-    /// The grip in the pelvis frame along a TCP path.
-    fn hand(&self, path: &TimedPath, variant: &Variant) -> Vec<Pose> {
-        let to_pelvis = self.pelvis(variant).inverse();
-        path.poses.iter().map(|tcp| to_pelvis * tcp * variant.grip).collect()
+    /// The grips in the rest frame with the TCP somewhere.
+    fn grips(&self, tcp: &Pose, to_rest: &Pose, variant: &Variant) -> Grips {
+        let first = to_rest * tcp * variant.grip;
+        Grips { first, second: self.scenario.second_hand.map(|s| first * s.between) }
+    }
+
+    /// The grips as the model's own side meets them.
+    fn asked(&self, grips: &Grips) -> Grips {
+        if self.mirror.is_some() { grips.map(mirrored_pose) } else { *grips }
+    }
+
+    /// A posture of the model's side as the worker's.
+    fn own(&self, q: &mut DVector<f64>) {
+        if let Some(signs) = &self.mirror {
+            q.iter_mut().zip(signs).for_each(|(q, s)| *q *= s);
+        }
+    }
+
+    /// Start postures with the TCP somewhere.
+    fn starts(
+        &self,
+        tcp: &Pose,
+        variant: &Variant,
+        rule: &StartRule,
+        count: usize,
+    ) -> Vec<Option<DVector<f64>>> {
+        let to_rest = self.pelvis(variant).inverse();
+        let grips = self.asked(&self.grips(tcp, &to_rest, variant));
+        let postures = self.behaviour.postures();
+        let starts = start_postures(&self.coupling, postures, rule, grips, (0, 0), 0..count);
+        let own = |start: Start| {
+            start.q.map(|mut q| {
+                self.own(&mut q);
+                q
+            })
+        };
+        starts.into_iter().map(own).collect()
     }
 
     /// Where each repetition comes nearest to the arm; `numbers`: theirs.
@@ -87,13 +136,8 @@ impl<'a> Person<'a> {
     /// Ends of the capsules' axes (world, m) with the mean posture moved on to a TCP pose; none where the
     /// hand does not get there.
     pub(super) fn placed_at(&self, tcp: &Pose, variant: &Variant) -> Option<Vec<[Vec3; 2]>> {
-        let pelvis = self.pelvis(variant);
-        let hand = pelvis.inverse() * tcp * variant.grip;
-        let postures = self.behaviour.postures();
-        let rule = StartRule::Mean;
-        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..1);
-        let q = starts.into_iter().next()?.q?;
-        Some(self.placed(&pelvis, q.as_slice()))
+        let q = self.starts(tcp, variant, &StartRule::Mean, 1).pop()??;
+        Some(self.placed(&self.pelvis(variant), q.as_slice()))
     }
 
     /// The same with all joints of the coupled chain at zero.
@@ -148,22 +192,52 @@ impl<'a> Person<'a> {
         (behaviour, rule): (&dyn Behaviour, &StartRule),
         (block, numbers): ((u64, u32), Range<usize>),
     ) -> Repetitions {
-        let hand = self.hand(path, variant);
-        let at = (&path.time_s[..], &hand[..]);
+        let to_rest = self.pelvis(variant).inverse();
+        let hands: Vec<Grips> =
+            path.poses.iter().map(|tcp| self.grips(tcp, &to_rest, variant)).collect();
+        let asked: Vec<Grips> = hands.iter().map(|g| self.asked(g)).collect();
+        let mirrored = self.mirrored_rule(rule);
+        let rule = mirrored.as_ref().unwrap_or(rule);
         let first = numbers.start;
+        let is_sure = numbers.len() == 1 && block == (0, 0);
+        let heads = numbers.clone().map(|r| self.head(block, r, is_sure)).collect();
         let postures = behaviour.postures();
-        let starts = start_postures(&self.coupling, postures, rule, &hand[0], block, numbers);
-        let repeated = behaviour.repeat(&self.coupling, at, &starts, block, first);
-        Repetitions::measured(&self.surveyor, repeated, starts, at)
+        let mut starts = start_postures(&self.coupling, postures, rule, asked[0], block, numbers);
+        let at = (&path.time_s[..], &asked[..]);
+        let mut repeated = behaviour.repeat(&self.coupling, at, &starts, block, first);
+        for q in repeated.rollouts.iter_mut().flat_map(|r| &mut r.q) {
+            self.own(q);
+        }
+        for q in starts.iter_mut().filter_map(|s| s.q.as_mut()) {
+            self.own(q);
+        }
+        let led: Vec<Pose> = hands.iter().map(|g| g.first).collect();
+        Repetitions::measured(&self.surveyor, repeated, (starts, heads), (&path.time_s, &led))
+    }
+
+    /// A given start posture as the model's side.
+    fn mirrored_rule(&self, rule: &StartRule) -> Option<StartRule> {
+        match (rule, &self.mirror) {
+            (StartRule::Given(q), Some(signs)) => {
+                Some(StartRule::Given(q.iter().zip(signs).map(|(q, s)| q * s).collect()))
+            }
+            _ => None,
+        }
+    }
+
+    /// How repetition `r` of a block holds its head.
+    fn head(&self, (seed, block): (u64, u32), r: usize, is_sure: bool) -> HeadDraw {
+        let hands = self.scenario.worker.hands;
+        let mean = HeadDraw::mean((hands != Hands::Both).then(|| hands.lead()));
+        if is_sure {
+            return mean;
+        }
+        mean.drawn(&mut stream(seed, Purpose::Posture, HEAD_BLOCK.wrapping_add(block), r as u32))
     }
 
     /// How many of some start postures get the hand to a TCP pose.
     pub(super) fn reaching(&self, tcp: &Pose, variant: &Variant, tries: usize) -> usize {
-        let hand = self.pelvis(variant).inverse() * tcp * variant.grip;
-        let postures = self.behaviour.postures();
-        let rule = StartRule::Sampled;
-        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..tries);
-        starts.iter().filter(|s| s.q.is_some()).count()
+        self.starts(tcp, variant, &StartRule::Sampled, tries).iter().flatten().count()
     }
 
     /// The repetitions as a table; each ends where its reach is exceeded.
@@ -174,14 +248,22 @@ impl<'a> Person<'a> {
         rank: usize,
         is_first: bool,
     ) -> RolloutTable {
-        let reached = |w: &Repetition| {
+        let units: Vec<f64> = self.surveyor.joints().map(|j| column_unit(j, self.body)).collect();
+        let neck = self.scenario.worker.neck;
+        let reached = |w: &Repetition| -> Vec<Vec<f64>> {
             let end = w.rollout.reach_exceeded_at.unwrap_or(w.rollout.q.len());
-            w.rollout.q[..end].to_vec()
+            let frames = w.rollout.q[..end].iter().zip(&w.angles);
+            frames
+                .map(|(q, a)| {
+                    let whole = self.surveyor.whole(q, a.head(neck));
+                    whole.iter().zip(&units).map(|(v, unit)| v * unit).collect()
+                })
+                .collect()
         };
         RolloutTable {
             rank,
             other_body: (!is_first).then(|| self.name.clone()),
-            joints: self.coupling.joints().map(str::to_owned).collect(),
+            columns: self.surveyor.joints().map(column_of).collect(),
             time_s: path.time_s.clone(),
             q: repetitions.all.iter().map(reached).collect(),
         }
@@ -195,19 +277,24 @@ impl<'a> Person<'a> {
         variant: &Variant,
         (robot, robot_q): (&Robot, Option<&[f64]>),
     ) -> PosePicture {
-        let pelvis = self.pelvis(variant);
-        let hand = pelvis.inverse() * tcp * variant.grip;
-        let postures = self.behaviour.postures();
-        let rule = StartRule::Mean;
-        let starts = start_postures(&self.coupling, postures, &rule, &hand, (0, 0), 0..1);
-        let q = starts.into_iter().next().and_then(|s| s.q);
+        let q = self.starts(tcp, variant, &StartRule::Mean, 1).pop().flatten();
+        let bones = q.map_or_else(Vec::new, |q| {
+            let head = self.mean_head(&q);
+            self.surveyor.bones_at(&self.pelvis(variant), &q, head)
+        });
         PosePicture {
             body: self.name.clone(),
             time_s: 0.0,
-            bones: q.map_or_else(Vec::new, |q| self.surveyor.bones_at(&pelvis, &q)),
+            bones,
             robot: robot_q
                 .map_or_else(Vec::new, |q| stick(robot, q).into_iter().map(Into::into).collect()),
         }
+    }
+
+    /// The head as it is held on average in a posture.
+    fn mean_head(&self, q: &DVector<f64>) -> Head {
+        let draw = self.head((0, 0), 0, true);
+        self.surveyor.measure(q, &draw).head(self.scenario.worker.neck)
     }
 
     /// The mean posture and the robot at a few moments, for drawings.
@@ -234,7 +321,8 @@ impl<'a> Person<'a> {
                     n => {
                         let sum =
                             reached.iter().fold(DVector::zeros(reached[0].len()), |s, q| s + *q);
-                        self.surveyor.bones_at(&pelvis, &(sum / n as f64))
+                        let mean = sum / n as f64;
+                        self.surveyor.bones_at(&pelvis, &mean, self.mean_head(&mean))
                     }
                 };
                 let robot = robot_q.get(k).map_or_else(Vec::new, |q| {

@@ -418,7 +418,7 @@ fn seven(pose: &Pose) -> [f64; 7] {
 fn reaches(scenario: &Scenario) -> Vec<Reach> {
     let w = &scenario.worker;
     let of = |body: &crate::human::Body| {
-        let (center, radius) = reach_ball(body, w.side).ok()?;
+        let (center, radius) = reach_ball(body, w.hands.lead(), w.pelvis).ok()?;
         let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
         Some(Reach {
             body: body.name.clone(),

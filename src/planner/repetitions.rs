@@ -2,7 +2,7 @@
 
 use crate::math::Pose;
 use crate::posture::{Repeated, Rollout, Start};
-use crate::survey::{PostureAngles, Surveyor};
+use crate::survey::{HeadDraw, PostureAngles, Surveyor};
 use rayon::prelude::*;
 
 /// Length by which a rotation of the hand counts as travel, m/rad.
@@ -28,18 +28,19 @@ pub(super) struct Repetitions {
 }
 
 impl Repetitions {
-    /// What was repeated from some starts, along times (s) and as many grip poses.
+    /// What was repeated from some starts with some ways of holding the head, along times (s) and as many
+    /// poses of the leading grip.
     pub(super) fn measured(
         surveyor: &Surveyor,
         repeated: Repeated,
-        starts: Vec<Start>,
+        (starts, heads): (Vec<Start>, Vec<HeadDraw>),
         (time_s, hand): (&[f64], &[Pose]),
     ) -> Self {
-        let one = |(rollout, start): (Rollout, Start)| {
-            let angles = rollout.q.iter().map(|q| surveyor.measure(q)).collect();
+        let one = |((rollout, start), head): ((Rollout, Start), HeadDraw)| {
+            let angles = rollout.q.iter().map(|q| surveyor.measure(q, &head)).collect();
             Repetition { rollout, angles, start }
         };
-        let all = repeated.rollouts.into_par_iter().zip(starts).map(one).collect();
+        let all = repeated.rollouts.into_par_iter().zip(starts).zip(heads).map(one).collect();
         let intervals = time_s.len().saturating_sub(1).max(1) as f64;
         let dt = (time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0)) / intervals;
         let extrapolation_share = repeated.extrapolation_share;

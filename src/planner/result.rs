@@ -5,13 +5,13 @@
 use super::findings::{Figure, Finding};
 use super::preset::Preset;
 use super::refusal::{Hint, RefusedGroup, Status};
-use super::scene::Scene;
+use super::scene::{PosedMannequin, Scene};
 use crate::ergonomics::{
-    ActionLevelShare, PairedDifference, PerMethod, ScoreDistribution, ScoringMethod,
-    ThresholdSensitivity, paired_difference,
+    ActionLevelShare, LiftAssessment, PairedDifference, PerMethod, ScoreDistribution,
+    ScoringMethod, ThresholdSensitivity, paired_difference,
 };
 use crate::files::null_as_nan;
-use crate::human::{BodySize, Side, Stance};
+use crate::human::{BodySize, Hands, Stance};
 use crate::path::{Change, Check, Family};
 use crate::posture::{Hold, MethodQuality};
 use crate::robot::{
@@ -19,7 +19,6 @@ use crate::robot::{
 };
 use crate::scenario::{Chosen, EndMismatch, Origin, OtherArm, Task, Warning};
 use crate::survey::NeckRule;
-use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -84,12 +83,12 @@ pub struct RolloutTable {
     pub rank: usize,
     /// Body; none for the first one of the scenario.
     pub other_body: Option<String>,
-    /// Joints of the chain, n names.
-    pub joints: Vec<String>,
+    /// Columns of the whole body: place (m) and turn of the pelvis from rest, joint angles (rad).
+    pub columns: Vec<String>,
     /// Times, s.
     pub time_s: Vec<f64>,
-    /// Joint angles, rad: rollouts, times, n. A rollout ends where its reach is exceeded.
-    pub q: Vec<Vec<DVector<f64>>>,
+    /// Their values: rollouts, times, columns. A rollout ends where its reach is exceeded.
+    pub q: Vec<Vec<Vec<f64>>>,
 }
 
 /// How to make the run again.
@@ -277,6 +276,9 @@ pub struct BodyScores {
     pub objective: f64,
     /// How near the robot comes to this person; none without shapes or motion of the robot.
     pub person_clearance: Option<PersonClearance>,
+    /// What the whole body does; none where no repetition begins.
+    #[serde(default)]
+    pub strain: Option<BodyStrain>,
     /// Number of rollouts.
     pub rollouts: usize,
     /// Scores of the coupled side.
@@ -338,6 +340,38 @@ pub struct MethodScores {
     pub peak_by_rollout: Vec<f64>,
     /// The steps of the method over repetitions and time.
     pub parts: Vec<PartScore>,
+}
+
+/// What the whole body does along a path; each figure over repetitions.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BodyStrain {
+    /// Largest flexion of the trunk to the vertical, deg.
+    pub trunk_flexion_deg: Spread,
+    /// Largest flexion of a knee, deg; none where the pelvis rests, as the other figures of the legs.
+    pub knee_flexion_deg: Option<Spread>,
+    /// Share of repetitions in which a knee passes 60 deg.
+    pub bent_knees_share: Option<f64>,
+    /// Share of repetitions in which both heels rise.
+    pub raised_heels_share: Option<f64>,
+    /// Least distance of the centre of mass from the edge of the feet, m.
+    pub balance_margin_m: Option<Spread>,
+    /// Largest static moment about L5/S1 by the body above it and the load, N m.
+    pub l5s1_peak_nm: Spread,
+    /// Mean of that moment over time, N m.
+    pub l5s1_mean_nm: Spread,
+    /// The revised NIOSH lifting equation; none but for both hands.
+    pub niosh: Option<LiftAssessment>,
+}
+
+/// A figure over repetitions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// 5th percentile.
+    pub p05: f64,
+    /// 95th percentile.
+    pub p95: f64,
 }
 
 /// How near the robot comes to one person over the repetitions, the coupled hand and forearm at the
@@ -552,8 +586,10 @@ pub struct InputOrigin {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "input", content = "value", rename_all = "snake_case")]
 pub enum ScoreInput {
-    /// Arm of the coupled side, shoulder girdle and trunk.
-    ArmAndTrunk(Side),
+    /// Arms of the coupled hands, shoulder girdles and trunk.
+    ArmAndTrunk(Hands),
+    /// Pelvis and legs: whether they are predicted.
+    Legs(bool),
     /// The other arm.
     OtherArm(OtherArm),
     /// How the head is held.
@@ -642,13 +678,15 @@ pub struct BodyFacts {
 /// Who works where, and how the hand is led.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorkerFacts {
-    /// The coupled hand.
-    pub side: Side,
+    /// The coupled hands.
+    pub hands: Hands,
+    /// Whether the pelvis moves as predicted.
+    pub pelvis_moves: bool,
     /// Standing or seated.
     pub stance: Stance,
-    /// Floor point below the pelvis, world, m.
+    /// Floor point between the feet, below the upright pelvis, world, m.
     pub at_m: [f64; 2],
-    /// Forward direction of the pelvis about world z, rad.
+    /// Forward direction of the pelvis at rest about world z, rad.
     pub facing: f64,
     /// What the robot prescribes of the hand.
     pub hold: Hold,
@@ -674,6 +712,8 @@ pub enum StartKind {
 pub enum NotModelled {
     /// Motion of pelvis and legs.
     Legs,
+    /// Steps.
+    Steps,
     /// Dynamics of body and robot.
     Forces,
     /// Contact: distances are between capsules.
@@ -730,6 +770,8 @@ pub struct Moment {
     pub angles_deg: Vec<(String, f64)>,
     /// Bones of the person, world, m.
     pub bones: Vec<[[f64; 3]; 2]>,
+    /// The person in shape.
+    pub mannequin: PosedMannequin,
 }
 
 /// What a posture to look at shows.

@@ -1,5 +1,6 @@
 //! The moving scene of a run: the cell, the robot and the worker over time, small enough for a page.
 
+use crate::human::{MannequinPiece, SegmentKind};
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -93,7 +94,7 @@ pub struct SceneRobot {
 pub struct ScenePeople {
     /// Name of the body.
     pub body: String,
-    /// The capsules of the body, with points of the tracks.
+    /// The pieces of the mannequin, with points of the tracks.
     pub capsules: Vec<SceneCapsule>,
     /// The repetition whose joint angles are nearest to the mean of all at all moments: the one with
     /// the least sum of squared distances to the others. None when no repetition reaches the start.
@@ -115,13 +116,53 @@ pub struct Walker {
     pub track: Track,
 }
 
-/// A capsule between two points of a track.
+/// A capsule between two points, which may taper and be wider in one direction.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneCapsule {
     /// Indices of the points.
     pub ends: [usize; 2],
-    /// Radius, mm.
-    pub radius_mm: u32,
+    /// Radius at each end, mm.
+    pub radii_mm: [u32; 2],
+    /// The other radii of a section that is no circle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wide: Option<SceneWidth>,
+    /// What of a person it is; none for a robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<SegmentKind>,
+}
+
+/// Radii in the direction of a point.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneWidth {
+    /// Index of the point towards which it is measured, for each end.
+    pub toward: [usize; 2],
+    /// Radius in that direction at each end, mm.
+    pub radii_mm: [u32; 2],
+}
+
+/// A person as a mannequin in one posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PosedMannequin {
+    /// Points in the world, m.
+    pub points_m: Vec<[f64; 3]>,
+    /// The pieces between them.
+    pub capsules: Vec<SceneCapsule>,
+}
+
+fn whole_mm(radii_m: [f64; 2]) -> [u32; 2] {
+    radii_m.map(|r| (1e3 * r).round() as u32)
+}
+
+impl From<&MannequinPiece> for SceneCapsule {
+    fn from(piece: &MannequinPiece) -> Self {
+        let wide = piece.wide.as_ref();
+        Self {
+            ends: piece.ends,
+            radii_mm: whole_mm(piece.radii_m),
+            wide: wide.map(|w| SceneWidth { toward: w.toward, radii_mm: whole_mm(w.radii_m) }),
+            kind: Some(piece.kind),
+        }
+    }
 }
 
 /// Points over time in whole millimetres, world, as text: for each point its x, y and z, each ended by
@@ -145,6 +186,11 @@ impl Points {
             moments.iter().map(|m| (1e3 * m[p][a]).round() as i64).collect()
         };
         Self((0..count).map(|p| [0, 1, 2].map(|a| axis(p, a))).collect())
+    }
+
+    /// The track of all points.
+    pub(super) fn whole(&self) -> Track {
+        self.track(&(0..self.0.len()).collect::<Vec<_>>())
     }
 
     fn track(&self, kept: &[usize]) -> Track {
@@ -179,7 +225,9 @@ pub(super) fn joined(motions: &[Points], radii_m: &[f64]) -> (Vec<SceneCapsule>,
     let capsules = (radii_m.iter().enumerate())
         .map(|(i, radius)| SceneCapsule {
             ends: [place(2 * i), place(2 * i + 1)],
-            radius_mm: (1e3 * radius).round() as u32,
+            radii_mm: whole_mm([*radius; 2]),
+            wide: None,
+            kind: None,
         })
         .collect();
     (capsules, motions.iter().map(|m| m.track(&kept)).collect())
@@ -241,7 +289,7 @@ mod tests {
         let (capsules, tracks) = joined(&[one, two], &[0.05, 0.04, 0.03]);
         let ends: Vec<[usize; 2]> = capsules.iter().map(|c| c.ends).collect();
         assert_eq!(ends, [[0, 1], [1, 2], [3, 4]]);
-        assert_eq!(capsules[1].radius_mm, 40);
+        assert_eq!(capsules[1].radii_mm, [40; 2]);
         assert_eq!(tracks[1].points_mm(1)[0][3], [1500, 0, 0]);
     }
 }

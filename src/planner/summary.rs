@@ -4,9 +4,8 @@ use super::repetitions::{Repetition, Repetitions};
 use super::result::{BodyScores, PartScore};
 use super::scored::{Scored, Sheets};
 use crate::ergonomics::{
-    P_AT_LEAST_S, PerMethod, ScoringMethod, Sheet, StepOverTime, THRESHOLD_MOVE_DEG,
-    ThresholdSensitivity, ThresholdShift, score_distribution, steps_over_time,
-    threshold_sensitivity,
+    P_AT_LEAST_S, PerMethod, ScoringMethod, StepOverTime, THRESHOLD_MOVE_DEG, ThresholdSensitivity,
+    ThresholdShift, score_distribution, steps_over_time, threshold_sensitivity,
 };
 use crate::math::stats::mean;
 use crate::posture::Rollout;
@@ -21,11 +20,9 @@ impl Repetitions {
 
     /// Expected scores with the angle thresholds moved.
     pub(super) fn sensitivity(&self, lens: &Lens) -> ThresholdSensitivity {
-        let task = &lens.task;
         threshold_sensitivity(THRESHOLD_MOVE_DEG, |shift: &ThresholdShift| {
             let scored = |a: &PostureAngles| {
-                let sheet = shift.worksheet(a.trunk_neck(lens.neck), &a.arm, task, &lens.profile);
-                Sheet::of(&sheet, &lens.profile)
+                a.score_by(lens, |body, arm, task| shift.worksheet(body, arm, task, &lens.profile))
             };
             Sheets::of(self, scored).expected()
         })
@@ -58,16 +55,18 @@ impl Repetitions {
             body: body.to_owned(),
             objective: 0.0,
             person_clearance: None,
+            strain: None,
             rollouts: self.all.len(),
             scores,
-            other_side_rula: match other_arm {
-                OtherArm::Unknown => None,
-                OtherArm::Hanging => score_distribution(
+            other_side_rula: if other_arm == OtherArm::Unknown && !lens.both_hands {
+                None
+            } else {
+                score_distribution(
                     &self.other_scores(lens),
                     self.dt,
                     ScoringMethod::Rula.worst(),
                     P_AT_LEAST_S,
-                ),
+                )
             },
             reach_exceeded: exceeded.len() as f64 / count,
             reach_exceeded_from_s: exceeded.iter().min().map(|&k| k as f64 * self.dt),

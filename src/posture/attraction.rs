@@ -22,6 +22,10 @@ use serde::{Deserialize, Serialize};
 
 /// Length by which a rotation of the hand counts like a displacement, m/rad.
 const ROTATION_LENGTH_M: f64 = 0.3;
+/// Spread of the hand's orientation below which it counts as one, rad.
+const ONE_ORIENTATION_RAD: f64 = 0.25;
+/// Length-scale of neighbouring places over that of the regression.
+const NEAR: f64 = 0.3;
 /// Smallest spread of a feature (m): directions in which the hand hardly moved are not blown up.
 const SMALLEST_SPREAD_M: f64 = 0.02;
 
@@ -200,6 +204,13 @@ impl Attraction {
         Self { pull, length_scale, noise, features, inputs, postures, mean, coefficients, factor }
     }
 
+    /// The same regression on other postures, made from its own row by row: N x n, rad.
+    #[must_use]
+    pub fn regressed(&self, change: impl FnOnce(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
+        let Self { pull, length_scale, noise, features, inputs, postures, .. } = self.clone();
+        Self::assemble(pull, length_scale, noise, features, inputs, change(&postures))
+    }
+
     /// What the pull goes by.
     pub fn pull(&self) -> Pull {
         self.pull
@@ -249,9 +260,24 @@ impl Attraction {
         moved / MOMENT_S
     }
 
-    /// The person's mean orientation of the hand, in the pelvis frame.
-    pub fn usual_orientation(&self) -> &UnitQuaternion<f64> {
-        &self.features.reference
+    /// How the person usually turns the hand at a place (rest frame, m) of a body of `stature_m`: as the
+    /// recorded hands near there did. A person whose hand kept one orientation has that one everywhere.
+    pub fn usual_orientation(&self, place: &Vec3, stature_m: f64) -> UnitQuaternion<f64> {
+        let f = &self.features;
+        let turned = f.spread[3..].iter().map(|s| s * f.stature_m / ROTATION_LENGTH_M);
+        if turned.fold(0.0, f64::max) < ONE_ORIENTATION_RAD {
+            return f.reference;
+        }
+        let at = f.of(&Pose::from_parts((*place).into(), f.reference), stature_m);
+        let (mut sum, mut weights) = (Vec3::zeros(), 0.0);
+        for input in &self.inputs {
+            let d: f64 = (0..3).map(|i| (input[i] - at[i]).powi(2)).sum();
+            let w = (-0.5 * d / (self.length_scale * NEAR).powi(2)).exp() + f64::MIN_POSITIVE;
+            sum += w * Vec3::from_fn(|i, _| input[3 + i] * f.spread[3 + i] + f.mean[3 + i]);
+            weights += w;
+        }
+        let turn = sum / weights * (f.stature_m / ROTATION_LENGTH_M);
+        UnitQuaternion::from_scaled_axis(turn) * f.reference
     }
 
     /// Number of training postures behind the regression.

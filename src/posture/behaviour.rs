@@ -2,13 +2,13 @@
 //! model, a law without chance, or somebody whose way of moving is known, for simulations.
 
 use super::coupling::Coupling;
+use super::grips::Grips;
 use super::hand_path::HandPath;
 use super::law::{PostureLaw, Sampler, Sampling};
 use super::model::{PostureDistribution, PostureModel};
 use super::process::FunctionDraw;
 use super::rollout::{Rollout, roll_out};
 use super::start::Start;
-use crate::math::Pose;
 use crate::math::stream::{Purpose, stream};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -20,12 +20,12 @@ pub trait Behaviour: std::fmt::Debug + Sync {
     /// From which postures movements start.
     fn postures(&self) -> &PostureDistribution;
 
-    /// Repetitions along grip poses in the pelvis frame at times (s): one from each start, numbered
+    /// Repetitions along grips in the rest frame at times (s): one from each start, numbered
     /// from `first` on.
     fn repeat(
         &self,
         coupling: &Coupling,
-        path: (&[f64], &[Pose]),
+        path: (&[f64], &[Grips]),
         starts: &[Start],
         block: (u64, u32),
         first: usize,
@@ -96,7 +96,7 @@ impl Behaviour for Modelled<'_> {
     fn repeat(
         &self,
         coupling: &Coupling,
-        (time_s, targets): (&[f64], &[Pose]),
+        (time_s, targets): (&[f64], &[Grips]),
         starts: &[Start],
         (seed, block): (u64, u32),
         first: usize,
@@ -132,7 +132,7 @@ impl Behaviour for Certain<'_> {
     fn repeat(
         &self,
         coupling: &Coupling,
-        (time_s, targets): (&[f64], &[Pose]),
+        (time_s, targets): (&[f64], &[Grips]),
         starts: &[Start],
         _: (u64, u32),
         _: usize,

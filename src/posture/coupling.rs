@@ -1,13 +1,18 @@
-//! A body whose hand holds on to the robot: chain, limits, and the rows of the task.
+//! A body whose hands hold on to the robot: chain, contacts, limits, and the rows of the task.
 
+use super::grips::Grips;
 use super::noise::ROTATION_LENGTH_M;
+use super::step::Bounds;
 use crate::files::InputError;
-use crate::human::{Body, PostureLimits, Side};
+use crate::human::{Balance, Body, Coupled, Legs, Pelvis, PostureLimits, Side, Stance};
 use crate::kinematics::{Frames, Linkage};
 use crate::math::pose::pose_error;
 use crate::math::{Pose, Vec3, Vec6};
-use nalgebra::{DMatrix, DVector, Matrix6xX, UnitQuaternion};
+use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, UnitQuaternion};
 use serde::{Deserialize, Serialize};
+
+/// How fast somebody who is out of balance comes back, m of the centre of mass in one step.
+const RECOVERY_M: f64 = 0.004;
 
 /// Which motions of the hand the robot prescribes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -41,32 +46,86 @@ impl Hold {
     }
 }
 
-/// A body whose hand is coupled to the robot.
+/// A body whose hands are coupled to the robot, and what holds the rest of it.
+///
+/// Every contact prescribes something. What the hands prescribe are the rows of the task; feet and a seat
+/// leave less of the body to be predicted: the legs follow from the pelvis, and a pelvis on a seat only
+/// turns.
 #[derive(Debug, Clone)]
 pub struct Coupling {
-    arm: Linkage,
+    chain: Linkage,
     limits: PostureLimits,
-    hold: Hold,
+    /// Of each hand, in the order of the chain's tips.
+    holds: Vec<Hold>,
+    /// Legs on their feet under a pelvis that moves or turns.
+    ground: Option<Ground>,
     stature_m: f64,
 }
 
-/// Where the hand is and how the joints move it.
+/// What the feet ask of the pelvis.
+#[derive(Debug, Clone)]
+struct Ground {
+    legs: Legs,
+    pelvis: Pelvis,
+    /// Tip that is the pelvis.
+    tip: usize,
+    /// Of somebody who stands.
+    balance: Option<Balance>,
+}
+
+/// Where the hands are and how the joints move them.
 #[derive(Debug, Clone)]
 pub struct Observation {
-    /// Grip pose in the pelvis frame.
-    pub pose: Pose,
-    /// Task Jacobian, m x n.
+    /// Grips in the rest frame.
+    pub grips: Grips,
+    /// Task Jacobian, m x n: the displacements of all hands, then their rotations.
     pub jacobian: DMatrix<f64>,
-    /// Scratch: all six rows.
+    /// Scratch: all six rows of one hand.
     full: Matrix6xX<f64>,
 }
 
 impl Coupling {
-    /// Couples a body's hand.
+    /// Couples one hand of a body whose pelvis rests.
     pub fn new(body: &Body, side: Side, hold: Hold) -> Result<Self, InputError> {
-        let arm = body.arm(side)?;
-        let limits = body.limits(&arm);
-        Ok(Self { arm, limits, hold, stature_m: body.size.stature_m })
+        let chain = body.arm(side)?;
+        let limits = body.limits(&chain);
+        let (holds, stature_m) = (vec![hold], body.size.stature_m);
+        Ok(Self { chain, limits, holds, ground: None, stature_m })
+    }
+
+    /// Couples the hands of a body: one hold for each, the leading hand first. `load_kg` is carried in the
+    /// grips together.
+    ///
+    /// # Errors
+    /// Where the body's legs are not straight at zero angles.
+    ///
+    /// # Panics
+    /// When there are not as many holds as hands.
+    pub fn of_person(
+        body: &Body,
+        coupled: Coupled,
+        holds: &[Hold],
+        (stance, load_kg): (Stance, f64),
+    ) -> Result<Self, InputError> {
+        assert_eq!(holds.len(), coupled.hands.sides().len(), "one hold for each hand");
+        let (holds, stature_m) = (holds.to_vec(), body.size.stature_m);
+        if coupled.pelvis == Pelvis::Rests {
+            let chain = body.chain(coupled, &[])?;
+            let limits = body.limits(&chain);
+            return Ok(Self { chain, limits, holds, ground: None, stature_m });
+        }
+        let links = Balance::links(coupled);
+        let names: Vec<&str> = links.iter().map(String::as_str).collect();
+        let chain = body.chain(coupled, &names)?;
+        let limits = body.limits(&chain);
+        let legs = Legs::new(body, stance)?;
+        let balance = if legs.is_standing() {
+            Some(Balance::new(body, coupled, (&chain, &legs), load_kg)?)
+        } else {
+            None
+        };
+        let ground = Ground { legs, pelvis: coupled.pelvis, tip: holds.len(), balance };
+        Ok(Self { chain, limits, holds, ground: Some(ground), stature_m })
     }
 
     /// A chain on its own, with the joint limits of its model.
@@ -78,22 +137,42 @@ impl Coupling {
             upper: chain.joints().iter().map(|j| j.upper).collect(),
             sums: Vec::new(),
         };
-        Self { arm: chain, limits, hold, stature_m: 1.0 }
+        Self { chain, limits, holds: vec![hold], ground: None, stature_m: 1.0 }
     }
 
-    /// Which motions of the hand are prescribed.
+    /// Which motions of the leading hand are prescribed.
     pub fn hold(&self) -> Hold {
-        self.hold
+        self.holds[0]
     }
 
-    /// Number of joints of the chain, n.
+    /// Number of rows of the task, m.
+    pub fn rows(&self) -> usize {
+        self.holds.iter().map(|h| h.rows()).sum()
+    }
+
+    /// How many of the rows are displacements; they come first.
+    pub fn linear_rows(&self) -> usize {
+        self.holds.iter().map(|h| h.linear_rows()).sum()
+    }
+
+    /// Whether somebody who stands is in balance at the posture of `frames`; others are.
+    pub(super) fn is_balanced(&self, frames: &Frames) -> bool {
+        let Some(ground) = &self.ground else { return true };
+        let Some(balance) = &ground.balance else { return true };
+        let (at, turn) = self.chain.tip_frame(frames, ground.tip);
+        let bending = ground.legs.bending(&at, &turn);
+        let centre = balance.centre((&self.chain, frames), (&ground.legs, &bending));
+        balance.margin_m(&centre, Legs::heel(&bending)) > 0.0
+    }
+
+    /// Number of joints of the chain, n: with the free coordinates of the pelvis.
     pub fn dof(&self) -> usize {
-        self.arm.dof()
+        self.chain.dof()
     }
 
     /// Names of the joints, in order.
     pub fn joints(&self) -> impl Iterator<Item = &str> {
-        self.arm.joints().iter().map(|j| j.name.as_str())
+        self.chain.joints().iter().map(|j| j.name.as_str())
     }
 
     /// Limits of the chain.
@@ -106,12 +185,13 @@ impl Coupling {
         self.stature_m
     }
 
-    /// Pose of the grip and the task Jacobian at `q` (n, rad).
+    /// Pose of the grips and the task Jacobian at `q` (n, rad, leg lengths).
     pub fn observe(&self, q: &DVector<f64>, frames: &mut Frames) -> Observation {
         let n = self.dof();
+        let none = Pose::identity();
         let mut seen = Observation {
-            pose: Pose::identity(),
-            jacobian: DMatrix::zeros(self.hold.rows(), n),
+            grips: Grips { first: none, second: (self.holds.len() > 1).then_some(none) },
+            jacobian: DMatrix::zeros(self.rows(), n),
             full: Matrix6xX::zeros(n),
         };
         self.observe_again(q, frames, &mut seen);
@@ -125,41 +205,94 @@ impl Coupling {
         frames: &mut Frames,
         seen: &mut Observation,
     ) {
-        self.arm.forward(q.as_slice(), frames);
-        self.arm.jacobian_into(frames, 0, &mut seen.full);
-        seen.pose = self.arm.tip_pose(frames, 0);
-        let Observation { pose, jacobian: rows, full } = seen;
-        let linear = self.hold.linear_rows();
-        match self.hold {
-            Hold::Rigid => rows.as_mut_slice().copy_from_slice(full.as_slice()),
-            Hold::FreeRoll => {
-                rows.rows_mut(0, linear).copy_from(&full.rows(0, linear));
-                let angular = full.fixed_rows::<3>(3);
-                for (i, axis) in grip_cross_axes(pose).iter().enumerate() {
-                    rows.row_mut(3 + i).copy_from(&(axis.transpose() * angular));
+        self.chain.forward(q.as_slice(), frames);
+        let Observation { grips, jacobian: rows, full } = seen;
+        let (mut linear_at, mut angular_at) = (0, self.linear_rows());
+        for (tip, hold) in self.holds.iter().enumerate() {
+            self.chain.jacobian_into(frames, tip, full);
+            let pose = self.chain.tip_pose(frames, tip);
+            let linear = hold.linear_rows();
+            match hold {
+                Hold::Rigid if self.holds.len() == 1 => {
+                    rows.as_mut_slice().copy_from_slice(full.as_slice());
+                }
+                Hold::Rigid => {
+                    rows.rows_mut(linear_at, 3).copy_from(&full.fixed_rows::<3>(0));
+                    rows.rows_mut(angular_at, 3).copy_from(&full.fixed_rows::<3>(3));
+                }
+                Hold::FreeRoll => {
+                    rows.rows_mut(linear_at, linear).copy_from(&full.rows(0, linear));
+                    let angular = full.fixed_rows::<3>(3);
+                    for (i, axis) in grip_cross_axes(&pose).iter().enumerate() {
+                        rows.row_mut(angular_at + i).copy_from(&(axis.transpose() * angular));
+                    }
+                }
+                Hold::Point | Hold::Planar => {
+                    rows.rows_mut(linear_at, linear).copy_from(&full.rows(0, linear));
                 }
             }
-            Hold::Point | Hold::Planar => rows.copy_from(&full.rows(0, linear)),
+            linear_at += linear;
+            angular_at += hold.rows() - linear;
+            if tip == 0 {
+                grips.first = pose;
+            } else {
+                grips.second = Some(pose);
+            }
         }
     }
 
-    /// What the task prescribes of a twist or pose error given in base axes.
-    fn task_part(&self, twist: &Vec6, pose: &Pose) -> DVector<f64> {
-        let mut part = Vec::with_capacity(self.hold.rows());
-        part.extend_from_slice(&twist.as_slice()[..self.hold.linear_rows()]);
-        let angular = Vec3::new(twist[3], twist[4], twist[5]);
-        match self.hold {
-            Hold::Rigid => part.extend_from_slice(angular.as_slice()),
-            Hold::FreeRoll => part.extend(grip_cross_axes(pose).iter().map(|a| a.dot(&angular))),
-            Hold::Point | Hold::Planar => {}
+    /// Bounds of legs and balance within `near` (m or rad) of the posture of `frames`.
+    pub(super) fn bounds(&self, frames: &Frames, near: f64, bounds: &mut Bounds) {
+        bounds.clear();
+        let Some(ground) = &self.ground else { return };
+        let (at, turn) = self.chain.tip_frame(frames, ground.tip);
+        let free = ground.pelvis.free();
+        let columns = ground.columns(&self.chain, frames);
+        let mut legs = Vec::new();
+        let bending = ground.legs.bending(&at, &turn);
+        ground.legs.rows((&at, &bending), &columns, near, &mut legs);
+        for row in &legs {
+            bounds.push(&row.coefficients[6 - free..], row.at, (row.lower, row.upper));
+        }
+        if let Some(balance) = &ground.balance {
+            let centre = balance.centre((&self.chain, frames), (&ground.legs, &bending));
+            let edge = (Legs::heel(&bending), 0.25 * near);
+            for row in balance.rows((&self.chain, frames), &centre, edge) {
+                // Who is out of balance comes back step by step.
+                let upper = row.upper.max(row.at - RECOVERY_M);
+                bounds.push(&row.coefficients, row.at, (f64::NEG_INFINITY, upper));
+            }
+        }
+    }
+
+    /// What the task prescribes of a twist or pose error of each hand given in base axes.
+    fn task_part(&self, errors: &[(Vec6, Pose)]) -> DVector<f64> {
+        let mut part = Vec::with_capacity(self.rows());
+        for ((twist, _), hold) in errors.iter().zip(&self.holds) {
+            part.extend_from_slice(&twist.as_slice()[..hold.linear_rows()]);
+        }
+        for ((twist, pose), hold) in errors.iter().zip(&self.holds) {
+            let angular = Vec3::new(twist[3], twist[4], twist[5]);
+            match hold {
+                Hold::Rigid => part.extend_from_slice(angular.as_slice()),
+                Hold::FreeRoll => {
+                    part.extend(grip_cross_axes(pose).iter().map(|a| a.dot(&angular)));
+                }
+                Hold::Point | Hold::Planar => {}
+            }
         }
         DVector::from_vec(part)
     }
 
     /// The hand pose at which the person's usual posture is looked up: what the robot does not
     /// prescribe of the orientation is taken as near to `usual` (the person's own) as it may be.
-    pub(super) fn looked_up(&self, target: &Pose, usual: &UnitQuaternion<f64>) -> Pose {
-        let rotation = match self.hold {
+    pub(super) fn looked_up(
+        &self,
+        hand: usize,
+        target: &Pose,
+        usual: &UnitQuaternion<f64>,
+    ) -> Pose {
+        let rotation = match self.holds[hand] {
             Hold::Rigid => target.rotation,
             Hold::FreeRoll => {
                 // The twist about the bar of the rotation from the target to the usual orientation.
@@ -172,26 +305,46 @@ impl Coupling {
         Pose::from_parts(target.translation, rotation)
     }
 
-    /// How far the hand travels from one grip pose to another, m: what is prescribed of it, rotations
-    /// counted at 0.3 m/rad.
-    pub(super) fn travel_m(&self, from: &Pose, to: &Pose) -> f64 {
+    /// How far the hands travel from one place to another, m: what is prescribed of them, rotations
+    /// counted at 0.3 m/rad; of two hands the root mean square.
+    pub(super) fn travel_m(&self, from: &Grips, to: &Grips) -> f64 {
         let error = self.task_error(from, to);
-        let linear = self.hold.linear_rows();
-        error.rows(0, linear).norm().hypot(ROTATION_LENGTH_M * error.rows_range(linear..).norm())
+        let linear = self.linear_rows();
+        let both = error
+            .rows(0, linear)
+            .norm()
+            .hypot(ROTATION_LENGTH_M * error.rows_range(linear..).norm());
+        both / (self.holds.len() as f64).sqrt()
     }
 
-    /// Error from one grip pose to another in task rows: m, then rad.
+    /// Error from some grips to others in task rows: m of all hands, then rad.
     ///
     /// With a free roll the angular part is the rotation that aligns the grip's z axes.
-    pub fn task_error(&self, from: &Pose, to: &Pose) -> DVector<f64> {
-        let mut error = pose_error(from, to);
-        if self.hold == Hold::FreeRoll {
-            let (a, b) = (from.rotation * Vec3::z(), to.rotation * Vec3::z());
-            let turn =
-                UnitQuaternion::rotation_between(&a, &b).map_or(Vec3::zeros(), |r| r.scaled_axis());
-            error.fixed_rows_mut::<3>(3).copy_from(&turn);
-        }
-        self.task_part(&error, from)
+    pub fn task_error(&self, from: &Grips, to: &Grips) -> DVector<f64> {
+        let of = |((from, to), hold): ((&Pose, &Pose), &Hold)| {
+            let mut error = pose_error(from, to);
+            if *hold == Hold::FreeRoll {
+                let (a, b) = (from.rotation * Vec3::z(), to.rotation * Vec3::z());
+                let turn = UnitQuaternion::rotation_between(&a, &b)
+                    .map_or(Vec3::zeros(), |r| r.scaled_axis());
+                error.fixed_rows_mut::<3>(3).copy_from(&turn);
+            }
+            (error, *from)
+        };
+        let errors: Vec<(Vec6, Pose)> =
+            from.iter().zip(to.iter()).zip(&self.holds).map(of).collect();
+        self.task_part(&errors)
+    }
+}
+
+impl Ground {
+    /// Twist of the pelvis by each of its six coordinates; zero for those that are not free.
+    fn columns(&self, chain: &Linkage, frames: &Frames) -> Matrix6<f64> {
+        let free = self.pelvis.free();
+        let found = chain.leading_columns(frames, self.tip, free);
+        let mut all = Matrix6::zeros();
+        all.columns_mut(6 - free, free).copy_from(&found.columns(0, free));
+        all
     }
 }
 

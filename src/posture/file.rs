@@ -11,8 +11,10 @@ use std::path::Path;
 pub const MODEL_SCHEMA: &str = "ergopath/posture-model/3";
 
 /// Models that ship inside the program.
-const SHIPPED: &[(&str, &str)] =
-    &[("demo_operator", include_str!("../../models/posture/demo_operator.json"))];
+const SHIPPED: &[(&str, &str)] = &[
+    ("demo_operator", include_str!("../../models/posture/demo_operator.json")),
+    ("whole_operator", include_str!("../../models/posture/whole_operator.json")),
+];
 
 #[derive(Serialize)]
 struct Written<'a> {

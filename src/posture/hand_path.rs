@@ -8,8 +8,10 @@
 
 use super::attraction::UsualPosture;
 use super::coupling::Coupling;
+use super::grips::Grips;
 use super::law::PostureLaw;
 use super::noise::Clock;
+use crate::human::mirrored_pose;
 use crate::math::Pose;
 use crate::math::pose::interpolate;
 use nalgebra::DVector;
@@ -19,13 +21,13 @@ const STEP_M: f64 = 0.008;
 /// Travel of a hand that rests all the time, m.
 const STILL_M: f64 = 1e-6;
 
-/// A hand path: grip poses in the pelvis frame, and the knots between which a rollout steps.
+/// A hand path: grips in the rest frame, and the knots between which a rollout steps.
 ///
 /// The usual posture depends on the path and the model only, so all rollouts share it.
 #[derive(Debug, Clone)]
 pub struct HandPath {
     time_s: Vec<f64>,
-    targets: Vec<Pose>,
+    targets: Vec<Grips>,
     knots: Vec<Knot>,
     /// Of each sample: the step in which it lies, and the part of the step that is done there; a part
     /// of 0 only before the hand has moved.
@@ -37,7 +39,7 @@ pub struct HandPath {
 /// A place from which a rollout steps to the next.
 #[derive(Debug, Clone)]
 pub(super) struct Knot {
-    pub target: Pose,
+    pub target: Grips,
     pub usual: Option<UsualPosture>,
     /// Time by the law's clock, s.
     pub clock_s: f64,
@@ -50,13 +52,14 @@ pub(super) struct Knot {
 }
 
 impl HandPath {
-    /// For times (s) and as many grip poses in the pelvis frame, by the clock of the law.
+    /// For times (s) and as many grips in the rest frame, by the clock of the law.
     pub fn new(
         coupling: &Coupling,
         law: &PostureLaw,
         time_s: Vec<f64>,
-        targets: Vec<Pose>,
+        targets: Vec<impl Into<Grips>>,
     ) -> Self {
+        let targets: Vec<Grips> = targets.into_iter().map(Into::into).collect();
         let mut travel = vec![0.0];
         for pair in targets.windows(2) {
             travel.push(travel[travel.len() - 1] + coupling.travel_m(&pair[0], &pair[1]));
@@ -66,22 +69,19 @@ impl HandPath {
             Clock::Seconds { .. } => by_time(&targets, &travel, &time_s),
         };
         let mut path = Self { time_s, targets, knots, places, noise_grid };
-        if let Some(a) = &law.attraction {
-            for knot in &mut path.knots {
-                let at = coupling.looked_up(&knot.target, a.usual_orientation());
-                knot.usual = Some(a.usual_posture(&at, coupling.stature_m()));
-            }
+        for knot in &mut path.knots {
+            knot.usual = usual_posture(law, coupling, &knot.target);
         }
         path
     }
 
     /// The grip at the start.
-    pub fn start(&self) -> &Pose {
+    pub fn start(&self) -> &Grips {
         &self.targets[0]
     }
 
-    /// Grip poses in the pelvis frame, T+1.
-    pub fn targets(&self) -> &[Pose] {
+    /// Grips in the rest frame, T+1.
+    pub fn targets(&self) -> &[Grips] {
         &self.targets
     }
 
@@ -144,10 +144,25 @@ impl HandPath {
     }
 }
 
+/// The posture that is usual with the hands there.
+fn usual_posture(law: &PostureLaw, coupling: &Coupling, grips: &Grips) -> Option<UsualPosture> {
+    let attraction = law.attraction.as_ref()?;
+    let h = coupling.stature_m();
+    let of = |hand: usize, grip: &Pose| {
+        let usual = attraction.usual_orientation(&grip.translation.vector, h);
+        attraction.usual_posture(&coupling.looked_up(hand, grip, &usual), h)
+    };
+    let first = of(0, &grips.first);
+    let (Some(second), Some(pair)) = (&grips.second, &law.pair) else { return Some(first) };
+    // The second hand is looked up in the mirror image, where it is the first.
+    let mirrored = mirrored_pose(second);
+    Some(pair.together(&first, &of(1, &mirrored)))
+}
+
 type Layout = (Vec<Knot>, Vec<(usize, f64)>, (usize, f64));
 
 /// Even steps of hand travel.
-fn by_hand(targets: &[Pose], travel: &[f64], speed_m_s: f64) -> Layout {
+fn by_hand(targets: &[Grips], travel: &[f64], speed_m_s: f64) -> Layout {
     let total = travel[travel.len() - 1];
     let steps = if total < STILL_M { 0 } else { (total / STEP_M).ceil() as usize };
     let step_m = total / steps.max(1) as f64;
@@ -165,7 +180,7 @@ fn by_hand(targets: &[Pose], travel: &[f64], speed_m_s: f64) -> Layout {
             } else {
                 let span = travel[leg + 1] - travel[leg];
                 let part = if span > 0.0 { (at - travel[leg]) / span } else { 1.0 };
-                interpolate(&targets[leg], &targets[leg + 1], part)
+                targets[leg].zip(&targets[leg + 1], |a, b| interpolate(a, b, part))
             };
             Knot {
                 target,
@@ -189,13 +204,13 @@ fn by_hand(targets: &[Pose], travel: &[f64], speed_m_s: f64) -> Layout {
 }
 
 /// The samples, and steps between them where the hand travels far.
-fn by_time(targets: &[Pose], travel: &[f64], time_s: &[f64]) -> Layout {
+fn by_time(targets: &[Grips], travel: &[f64], time_s: &[f64]) -> Layout {
     let legs = targets.len() - 1;
     let knot = |leg: usize, part: f64| {
         let next = (leg + 1).min(legs);
         let between = |v: &[f64]| v[leg] + part * (v[next] - v[leg]);
         Knot {
-            target: interpolate(&targets[leg], &targets[next], part),
+            target: targets[leg].zip(&targets[next], |a, b| interpolate(a, b, part)),
             usual: None,
             clock_s: between(time_s),
             travel_m: between(travel),

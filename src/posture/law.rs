@@ -12,6 +12,7 @@
 use super::attraction::Attraction;
 use super::hand_path::HandPath;
 use super::noise::{Clock, DriftPath, Noise, NoisePath};
+use super::pair::Pair;
 use super::primitive::Primitive;
 use super::process::{FunctionDraw, Posterior, Process, add_means};
 use crate::math::redundancy::{resolve, weighted_pseudo_inverse};
@@ -36,6 +37,9 @@ pub struct PostureLaw {
     pub is_direct: bool,
     /// The pull towards the person's own postures.
     pub attraction: Option<Attraction>,
+    /// How two hands are made of the one that was learned; none for one hand. Never stored.
+    #[serde(skip)]
+    pub pair: Option<Pair>,
     /// What differs between repetitions.
     pub noise: Noise,
     /// Stature of the body on which it was learned, m: hand speeds are compared over stature.
@@ -86,6 +90,7 @@ impl PostureLaw {
             primitive: None,
             is_direct: false,
             attraction: None,
+            pair: None,
             noise: Noise::none(n),
             stature_m,
             task_rows,

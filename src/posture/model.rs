@@ -181,6 +181,7 @@ impl PostureModel {
         let total = self.law.weight.trace();
         JOINT_GROUPS
             .into_iter()
+            .filter(|g| self.joints.iter().any(|j| joint_group(j) == *g))
             .map(|g| {
                 let share: f64 = self
                     .joints
@@ -195,12 +196,14 @@ impl PostureModel {
     }
 }
 
-/// Groups of joints from the pelvis to the hand.
-const JOINT_GROUPS: [&str; 5] = ["spine", "girdle", "shoulder", "elbow", "wrist"];
+/// Groups of joints from the ground to the hand.
+const JOINT_GROUPS: [&str; 6] = ["pelvis", "spine", "girdle", "shoulder", "elbow", "wrist"];
 
-/// The group of an Xsens joint name: spine, girdle, shoulder, elbow or wrist.
+/// The group of a joint's name: pelvis, spine, girdle, shoulder, elbow or wrist.
 pub fn joint_group(joint: &str) -> &'static str {
-    if joint.contains("C7Shoulder") {
+    if joint.to_lowercase().contains("pelvis") {
+        "pelvis"
+    } else if joint.contains("C7Shoulder") {
         "girdle"
     } else if joint.contains("Shoulder") {
         "shoulder"

@@ -8,16 +8,17 @@
 //! h is the time of a step by the clock of the law ([`HandPath`] lays the steps out). By the hand's own
 //! clock a posture depends on how far the hand has come and not on when: samples are read off between
 //! two steps, and there the drift in true time comes on top, in the null space.
-//! All poses are of the grip in the pelvis frame.
+//! All poses are of the grips in the rest frame. Legs and balance bound the steps of a body that stands.
 
 use super::coupling::{Coupling, Observation};
+use super::grips::Grips;
 use super::hand_path::{HandPath, Knot};
 use super::law::{Draw, PostureLaw, Query};
 use super::start::Start;
-use super::step::{ReachExceeded, StepSolver};
+use super::step::{Allowed, Bounds, ReachExceeded, StepSolver};
 use crate::kinematics::Frames;
+use crate::math::Vec6;
 use crate::math::pose::pose_error;
-use crate::math::{Pose, Vec6};
 use nalgebra::{DMatrix, DVector};
 
 /// Residual of the hand beyond which Newton corrections are made, and beyond which the rollout ends.
@@ -25,6 +26,9 @@ const CORRECT_BEYOND_M: f64 = 2e-4;
 const END_BEYOND_M: f64 = 1e-3;
 /// Largest change of a joint in one step, rad; more means the arm is about to lose the path.
 const LARGEST_JOINT_STEP: f64 = 0.6;
+
+/// Bounds that one step can come to, m or rad.
+const STEPWISE: f64 = 0.08;
 
 /// One repetition of one person along one path.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,12 +54,18 @@ pub fn roll_out(
     start: &Start,
     draw: Option<&Draw>,
 ) -> Rollout {
-    let mut seen = Seen::new(path, coupling.hold().linear_rows());
+    let mut seen = Seen::new(path, coupling.linear_rows());
     let Some(first) = &start.q else {
         return seen.finish(&DVector::zeros(law.dof()), Some(0));
     };
     let mut frames = Frames::default();
-    let here = coupling.observe(first, &mut frames);
+    let here = Spot {
+        seen: coupling.observe(first, &mut frames),
+        q: first.clone(),
+        frames,
+        bounds: Bounds::default(),
+        is_bounded: false,
+    };
     let mut state = State {
         coupling,
         law,
@@ -63,11 +73,9 @@ pub fn roll_out(
         draw,
         solver: StepSolver::new(law.weight.clone()),
         aside: here.clone(),
-        seen: here,
-        frames,
+        here,
         before: first.clone(),
-        q: first.clone(),
-        error: DVector::zeros(coupling.hold().rows()),
+        error: DVector::zeros(coupling.rows()),
     };
     // Samples before the hand has moved, then those of each step.
     let mut lost = seen.read(&mut state, 0, true).is_err();
@@ -127,28 +135,51 @@ impl<'a> Seen<'a> {
     }
 }
 
+/// A posture and what is known there.
+#[derive(Clone)]
+struct Spot {
+    q: DVector<f64>,
+    seen: Observation,
+    frames: Frames,
+    /// What legs and balance allow, where it was looked at.
+    bounds: Bounds,
+    is_bounded: bool,
+}
+
+impl Spot {
+    fn look(&mut self, coupling: &Coupling) {
+        coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
+        self.is_bounded = false;
+    }
+
+    fn bound(&mut self, coupling: &Coupling) {
+        if !self.is_bounded {
+            coupling.bounds(&self.frames, STEPWISE, &mut self.bounds);
+            self.is_bounded = true;
+        }
+    }
+}
+
 struct State<'a> {
     coupling: &'a Coupling,
     law: &'a PostureLaw,
     path: &'a HandPath,
     draw: Option<&'a Draw<'a>>,
     solver: StepSolver,
-    frames: Frames,
     /// At the knots before and after the step.
     before: DVector<f64>,
-    q: DVector<f64>,
-    /// Of `q`, and how far the hand is from the knot.
-    seen: Observation,
+    here: Spot,
+    /// How far the hand is from the knot.
     error: DVector<f64>,
-    /// Scratch.
-    aside: Observation,
+    /// Scratch, for samples between knots.
+    aside: Spot,
 }
 
 impl State<'_> {
     /// Steps from one knot to the next.
     fn advance(&mut self, step: usize) -> Result<(), ReachExceeded> {
         let [a, b] = [&self.path.knots()[step], &self.path.knots()[step + 1]];
-        self.before.copy_from(&self.q);
+        self.before.copy_from(&self.here.q);
         let primitive = self.law.primitive.as_ref().map(|p| p.at(a.phase));
         if let Some((_, weight)) = &primitive {
             self.solver.set_weight(weight.clone());
@@ -157,11 +188,11 @@ impl State<'_> {
         let wish = self.wish(a, b, mean);
         if self.law.is_direct {
             // A step that does not look at the hand: joints stop at their limits.
-            let none = DMatrix::zeros(0, self.q.len());
+            let none = DMatrix::zeros(0, self.here.q.len());
             self.step(Some(&none), &DVector::zeros(0), &wish)?;
-            self.error = self.coupling.task_error(&self.seen.pose, &b.target);
+            self.error = self.coupling.task_error(&self.here.seen.grips, &b.target);
         } else {
-            let task = self.coupling.task_error(&self.seen.pose, &b.target);
+            let task = self.coupling.task_error(&self.here.seen.grips, &b.target);
             self.step(None, &task, &wish)?;
             self.error = self.correct(&b.target)?;
         }
@@ -172,8 +203,13 @@ impl State<'_> {
     fn wish(&self, a: &Knot, b: &Knot, primitive: Option<&DVector<f64>>) -> DVector<f64> {
         let h = b.clock_s - a.clock_s;
         // The path's own velocity: the hand's may differ in what the robot does not prescribe.
-        let twist = self.law_twist(&(pose_error(&a.target, &b.target) / h));
-        let at = Query { q: &self.q, xdot: &twist, jacobian: &self.seen.jacobian, phase: a.phase };
+        let twist = self.law_twist(&(pose_error(&a.target.first, &b.target.first) / h));
+        let at = Query {
+            q: &self.here.q,
+            xdot: &twist,
+            jacobian: &self.here.seen.jacobian,
+            phase: a.phase,
+        };
         let mut wish = match self.draw {
             Some(draw) => draw.preferred(self.law, &at, a.noise),
             None => self.law.preferred(at.q, at.xdot),
@@ -183,7 +219,7 @@ impl State<'_> {
         }
         wish *= h;
         if let (Some(pull), Some(from), Some(to)) = (&self.law.attraction, &a.usual, &b.usual) {
-            pull.add_pull(&mut wish, (from, to), &self.q, (b.travel_m - a.travel_m, h));
+            pull.add_pull(&mut wish, (from, to), &self.here.q, (b.travel_m - a.travel_m, h));
         }
         wish
     }
@@ -196,28 +232,32 @@ impl State<'_> {
     ) -> Result<(DVector<f64>, DVector<f64>), ReachExceeded> {
         let drift = self.draw.and_then(|d| d.drifted(self.path.time_s(index)));
         let is_knot = part == 1.0 || self.path.knots().len() < 2;
-        let mut q = if is_knot { self.q.clone() } else { self.before.lerp(&self.q, part) };
+        let mut q =
+            if is_knot { self.here.q.clone() } else { self.before.lerp(&self.here.q, part) };
         if index == 0 || (is_knot && drift.is_none()) {
             return Ok((q, self.error.clone()));
         }
         // At the knot's own Jacobian: the sample is less than a step away.
         if let Some(drift) = drift {
-            let still = DVector::zeros(self.seen.jacobian.nrows());
-            let limits = self.coupling.limits();
-            q += self.solver.solve(&q, &self.seen.jacobian, &still, &drift, limits, 1.0)?;
+            let still = DVector::zeros(self.here.seen.jacobian.nrows());
+            self.here.bound(self.coupling);
+            let mut bounds = self.here.bounds.clone();
+            bounds.move_on(&(&q - &self.here.q));
+            let allowed = Allowed { limits: self.coupling.limits(), bounds: &bounds };
+            q += self.solver.solve(&q, &self.here.seen.jacobian, &still, &drift, allowed, 1.0)?;
         }
         let target = &self.path.targets()[index];
         // Look from there, and come back to the knot.
-        std::mem::swap(&mut self.q, &mut q);
-        std::mem::swap(&mut self.seen, &mut self.aside);
-        self.coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
+        std::mem::swap(&mut self.here, &mut self.aside);
+        self.here.q = q;
+        self.here.look(self.coupling);
         let error = if self.law.is_direct {
-            Ok(self.coupling.task_error(&self.seen.pose, target))
+            Ok(self.coupling.task_error(&self.here.seen.grips, target))
         } else {
             self.correct(target)
         };
-        std::mem::swap(&mut self.seen, &mut self.aside);
-        std::mem::swap(&mut self.q, &mut q);
+        let q = self.here.q.clone();
+        std::mem::swap(&mut self.here, &mut self.aside);
         error.map(|e| (q, e))
     }
 
@@ -237,31 +277,34 @@ impl State<'_> {
         task: &DVector<f64>,
         wish: &DVector<f64>,
     ) -> Result<(), ReachExceeded> {
-        let limits = self.coupling.limits();
-        let jacobian = jacobian.unwrap_or(&self.seen.jacobian);
-        let moved = self.solver.solve(&self.q, jacobian, task, wish, limits, 1.0)?;
+        let Self { coupling, solver, here, .. } = self;
+        here.bound(coupling);
+        let jacobian = jacobian.unwrap_or(&here.seen.jacobian);
+        let limits = coupling.limits();
+        let allowed = Allowed { limits, bounds: &here.bounds };
+        let moved = solver.solve(&here.q, jacobian, task, wish, allowed, 1.0)?;
         if moved.amax() > LARGEST_JOINT_STEP {
             return Err(ReachExceeded);
         }
-        self.q += moved;
-        self.coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
+        here.q += moved;
+        here.look(coupling);
         Ok(())
     }
 
     /// Newton corrections when the curvature of the step has taken the hand off the path.
-    fn correct(&mut self, target: &Pose) -> Result<DVector<f64>, ReachExceeded> {
-        let linear = self.coupling.hold().linear_rows();
+    fn correct(&mut self, target: &Grips) -> Result<DVector<f64>, ReachExceeded> {
+        let linear = self.coupling.linear_rows();
         for _ in 0..4 {
-            let error = self.coupling.task_error(&self.seen.pose, target);
+            let error = self.coupling.task_error(&self.here.seen.grips, target);
             let metres = error.rows(0, linear).norm();
             let radians = error.rows_range(linear..).norm();
             if metres <= CORRECT_BEYOND_M && radians <= 4.0 * CORRECT_BEYOND_M {
                 return Ok(error);
             }
-            let still = DVector::zeros(self.q.len());
+            let still = DVector::zeros(self.here.q.len());
             self.step(None, &error, &still)?;
         }
-        let error = self.coupling.task_error(&self.seen.pose, target);
+        let error = self.coupling.task_error(&self.here.seen.grips, target);
         if error.rows(0, linear).norm() > END_BEYOND_M { Err(ReachExceeded) } else { Ok(error) }
     }
 }

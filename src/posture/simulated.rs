@@ -3,7 +3,8 @@
 //! It copies what real recordings show: one trunk rotation spread over the four spine joints (slopes
 //! 1, 0.44, 0.44, 0.33), so that the joint velocities have rank 15 of 24; a shoulder that moves with
 //! the elbow; arm joints that move far more than the spine; a posture law that bends the trunk for
-//! low and far places; and correlated noise. All numbers here are inventions.
+//! low and far places; and correlated noise. The whole operator has a pelvis that tilts and goes back as
+//! the trunk bends and sinks as the knees do. All numbers here are inventions.
 
 use super::attraction::{Attraction, Pull};
 use super::coupling::{Coupling, Hold};
@@ -12,7 +13,7 @@ use super::model::{Method, PostureDistribution, PostureModel, Provenance};
 use super::noise::{Clock, Drift, Noise};
 use super::start::{StartRule, start_postures};
 use crate::files::InputError;
-use crate::human::{Body, Side};
+use crate::human::{Body, Coupled, PELVIS_JOINTS, Pelvis, Side, Stance};
 use crate::math::pose::rotation_from_axes;
 use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
@@ -43,24 +44,60 @@ const SPREAD: &[(&str, [f64; 3])] = &[
 /// Standard deviation of the trunk's Z, X, Y rotation as a whole, deg.
 const TRUNK_SPREAD: [f64; 3] = [9.0, 3.5, 6.0];
 
+/// The pelvis in the usual posture: forward, up (leg lengths), and its tilt, deg.
+const PELVIS_COMFORT: [f64; 6] = [0.035, -0.008, 0.0, -2.0, 0.0, 0.0];
+/// Ways in which a whole body varies: the six coordinates of the pelvis (leg lengths, deg) and the
+/// trunk's rotation as a whole about Z, X, Y (deg), one standard deviation each.
+const WAYS: &[([f64; 6], [f64; 3])] = &[
+    // Bending forward: the pelvis tilts and goes back.
+    ([-0.018, -0.002, 0.0, -6.0, 0.0, 0.0], [-7.0, 0.0, 0.0]),
+    // Bending the knees.
+    ([-0.010, -0.050, 0.0, -4.0, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+    // Shifting the weight to a side.
+    ([0.0, -0.001, 0.020, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0]),
+    // Turning.
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 4.0], [0.0, 0.0, 5.0]),
+    // The trunk alone, and swaying.
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [4.0, 0.0, 0.0]),
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 3.0, 3.0]),
+    ([0.010, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+];
+/// What is added to each displacement of the pelvis, leg lengths.
+const PELVIS_FLOOR: f64 = 0.003;
+
 /// How far one simulated person's usual posture is from another's, in standard deviations, and how
 /// their habits of moving differ (standard deviation of the logarithm of a joint group's share).
 const INDIVIDUAL_POSTURE: f64 = 0.6;
 const INDIVIDUAL_SHARE: f64 = 0.45;
 
-/// The simulated operator in a body of any size.
+/// The simulated operator in a body of any size, on a pelvis that rests.
 pub fn simulated_operator(body: &Body, side: Side) -> Result<PostureModel, InputError> {
-    simulated_person(body, side, None)
+    simulated(body, Coupled::arm(side), None)
 }
 
-/// A simulated person with a usual posture and habits of their own; without a number, the operator of
-/// the demonstration.
+/// The simulated operator as a whole person, standing: pelvis, spine and arm; the legs follow.
+pub fn simulated_whole_operator(body: &Body, side: Side) -> Result<PostureModel, InputError> {
+    simulated(body, Coupled { hands: side.into(), pelvis: Pelvis::Moves }, None)
+}
+
+/// A simulated person with a usual posture and habits of their own, on a pelvis that rests; without a
+/// number, the operator of the demonstration.
 pub fn simulated_person(
     body: &Body,
     side: Side,
     number: Option<u64>,
 ) -> Result<PostureModel, InputError> {
-    let coupling = Coupling::new(body, side, Hold::Rigid)?;
+    simulated(body, Coupled::arm(side), number)
+}
+
+fn simulated(
+    body: &Body,
+    coupled: Coupled,
+    number: Option<u64>,
+) -> Result<PostureModel, InputError> {
+    let side = coupled.hands.lead();
+    let standing = (Stance::Standing { shoe_m: 0.03 }, 0.0);
+    let coupling = Coupling::of_person(body, coupled, &[Hold::Rigid], standing)?;
     let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
     let mut mean = comfort(&joints, side);
     let mut spread = covariance(&joints);
@@ -80,7 +117,8 @@ pub fn simulated_person(
         weight[(s, e)] = tie;
         weight[(e, s)] = tie;
     }
-    let attraction = posture_law(&coupling, &postures, body, side)?;
+    let places = if coupled.pelvis == Pelvis::Rests { &BENCH } else { &WHOLE };
+    let attraction = posture_law(&coupling, &postures, (body, side), places)?;
     let noise = Noise {
         clock: Clock::Hand { speed_m_s: SPEED_RMS_M_S, drift: DRIFT },
         ..Noise::correlated(noise_factor(&spread), 0.35)
@@ -148,6 +186,9 @@ fn comfort(joints: &[String], side: Side) -> DVector<f64> {
     DVector::from_iterator(
         joints.len(),
         joints.iter().map(|j| {
+            if let Some(p) = pelvis_coordinate(j) {
+                return if p < 3 { PELVIS_COMFORT[p] } else { PELVIS_COMFORT[p].to_radians() };
+            }
             let (kind, axis) = parts(j);
             // A slightly bent trunk; X and Y mirror on the left.
             let spine = ["L5S1", "L4L3", "L1T12", "T9T8"].iter().position(|s| *s == kind);
@@ -162,8 +203,46 @@ fn comfort(joints: &[String], side: Side) -> DVector<f64> {
     )
 }
 
+/// Place among the coordinates of the pelvis.
+fn pelvis_coordinate(joint: &str) -> Option<usize> {
+    PELVIS_JOINTS.iter().position(|p| *p == joint)
+}
+
+/// Posture covariance of a whole body: [`WAYS`] of pelvis and trunk, independent arm joints, a floor.
+fn whole_covariance(joints: &[String]) -> DMatrix<f64> {
+    let n = joints.len();
+    let total: f64 = SPINE_SHARE.iter().sum();
+    let mut sum = DMatrix::zeros(n, n);
+    for (pelvis, trunk) in WAYS {
+        let of = |j: &String| {
+            let (kind, axis) = parts(j);
+            let spine = ["L5S1", "L4L3", "L1T12", "T9T8"].iter().position(|s| *s == kind);
+            match (pelvis_coordinate(j), spine) {
+                (Some(p), _) if p < 3 => pelvis[p],
+                (Some(p), _) => pelvis[p].to_radians(),
+                (_, Some(s)) => (SPINE_SHARE[s] / total * trunk[axis]).to_radians(),
+                _ => 0.0,
+            }
+        };
+        let way = DVector::from_iterator(n, joints.iter().map(of));
+        sum += &way * way.transpose();
+    }
+    for (i, joint) in joints.iter().enumerate() {
+        let (kind, axis) = parts(joint);
+        sum[(i, i)] += match pelvis_coordinate(joint) {
+            Some(p) if p < 3 => PELVIS_FLOOR.powi(2),
+            Some(_) => 0.5f64.to_radians().powi(2),
+            None => lookup(SPREAD, kind, axis).to_radians().powi(2) + 0.15f64.to_radians().powi(2),
+        };
+    }
+    sum
+}
+
 /// Posture covariance, rad^2: the trunk of rank three, independent arm joints, a small floor.
 fn covariance(joints: &[String]) -> DMatrix<f64> {
+    if joints.iter().any(|j| pelvis_coordinate(j).is_some()) {
+        return whole_covariance(joints);
+    }
     let n = joints.len();
     let total: f64 = SPINE_SHARE.iter().sum();
     let share = |joint: &str| {
@@ -197,23 +276,43 @@ fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     })
 }
 
+/// Where the usual postures are worked out: heights over the hips, distances ahead and to the own side,
+/// all over stature.
+struct Places {
+    up: &'static [f64],
+    forward: &'static [f64],
+    sideways: &'static [f64],
+}
+
+/// What a hand reaches from a pelvis that rests, and from one that moves.
+const BENCH: Places = Places {
+    up: &[-0.10, 0.0, 0.10, 0.20, 0.30],
+    forward: &[0.16, 0.22, 0.28, 0.34],
+    sideways: &[-0.08, 0.03, 0.14, 0.24],
+};
+const WHOLE: Places = Places {
+    up: &[-0.38, -0.30, -0.22, -0.15, -0.07, 0.02, 0.10, 0.19, 0.28, 0.38, 0.48, 0.57],
+    forward: &[0.16, 0.24, 0.32],
+    sideways: &[-0.06, 0.08, 0.20],
+};
+
 /// Postures over the work volume: for each hand pose the comfortable posture moved there.
 fn posture_law(
     coupling: &Coupling,
     postures: &PostureDistribution,
-    body: &Body,
-    side: Side,
+    (body, side): (&Body, Side),
+    places: &Places,
 ) -> Result<Attraction, InputError> {
     let h = body.size.stature_m;
     let out = if side == Side::Right { 1.0 } else { -1.0 };
     let (mut hands, mut rows) = (Vec::new(), Vec::new());
-    for up in [-0.10, 0.0, 0.10, 0.20, 0.30] {
-        for forward in [0.16, 0.22, 0.28, 0.34] {
-            for sideways in [-0.08, 0.03, 0.14, 0.24] {
+    for &up in places.up {
+        for &forward in places.forward {
+            for &sideways in places.sideways {
                 let at = Vec3::new(forward * h, up * h, out * sideways * h);
-                let hand = Pose::from_parts(at.into(), grip_orientation());
+                let hand = Pose::from_parts(at.into(), natural_grip(up));
                 let start =
-                    start_postures(coupling, postures, &StartRule::Mean, &hand, (0, 0), 0..1);
+                    start_postures(coupling, postures, &StartRule::Mean, hand, (0, 0), 0..1);
                 if let Some(q) = start.into_iter().next().and_then(|s| s.q) {
                     hands.push(hand);
                     rows.push(q.transpose());
@@ -230,11 +329,14 @@ fn posture_law(
     Ok(Attraction::fit(&hands, DMatrix::from_rows(&rows), h, PULL, 2.0, 0.05))
 }
 
-/// A vertical bar held before the body: grip z (thumb) up, palm towards the middle.
+/// How a bar is held at a height over the hips (over stature): upright before the body, the thumb up; lower
+/// down the thumb turns forward, higher up backward, as the forearm does.
 ///
-/// In the pelvis frame (x forward, y up, z right) the wrist is behind the grip: y = -forward.
-fn grip_orientation() -> nalgebra::UnitQuaternion<f64> {
-    let (y, z) = (-Vec3::x(), Vec3::y());
+/// In the rest frame (x forward, y up, z right) the wrist is behind the grip of an upright bar.
+pub fn natural_grip(up: f64) -> nalgebra::UnitQuaternion<f64> {
+    let beyond = (up + 0.10).min(0.0) / 0.28 * 80.0 + (up - 0.30).max(0.0) / 0.27 * 35.0;
+    let (sin, cos) = (90.0 + beyond).to_radians().sin_cos();
+    let (y, z) = (Vec3::new(-sin, cos, 0.0), Vec3::new(cos, sin, 0.0));
     rotation_from_axes(y.cross(&z), y, z)
 }
 
@@ -247,7 +349,7 @@ mod tests {
         let hand = |s: f64| {
             let s = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
             let at = Vec3::new(0.38 + 0.06 * s, 0.02 + 0.35 * s, 0.02 + 0.25 * s);
-            Pose::from_parts(at.into(), grip_orientation())
+            Pose::from_parts(at.into(), natural_grip(0.0))
         };
         let time: Vec<f64> = (0..=100).map(|i| 0.04 * f64::from(i)).collect();
         let hands = (0..=100).map(|i| hand(f64::from(i) / 100.0)).collect();
@@ -271,7 +373,7 @@ mod tests {
                 &coupling,
                 &model.postures,
                 &StartRule::Sampled,
-                &hands[0],
+                hands[0],
                 (1, 0),
                 0..16,
             );
@@ -299,7 +401,7 @@ mod tests {
         let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
         let (time, hands) = lift();
         let starts =
-            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 0..1);
+            start_postures(&coupling, &model.postures, &StartRule::Mean, hands[0], (1, 0), 0..1);
         let spread = |every: usize| {
             let t: Vec<f64> = time.iter().copied().step_by(every).collect();
             let h: Vec<Pose> = hands.iter().copied().step_by(every).collect();
@@ -335,8 +437,7 @@ mod tests {
         let coupling = Coupling::new(&body, Side::Right, Hold::Rigid).unwrap();
         let hand = lift().1[0];
         let rule = StartRule::Sampled;
-        let start =
-            start_postures(&coupling, &model.postures, &rule, &hand, (1, 0), 3..4).remove(0);
+        let start = start_postures(&coupling, &model.postures, &rule, hand, (1, 0), 3..4).remove(0);
         (model, coupling, start)
     }
 
@@ -422,7 +523,7 @@ mod tests {
             hand.translation.vector.x += 0.012 * k as f64;
         }
         let starts =
-            start_postures(&coupling, &model.postures, &StartRule::Mean, &hands[0], (1, 0), 0..1);
+            start_postures(&coupling, &model.postures, &StartRule::Mean, hands[0], (1, 0), 0..1);
         let count = hands.len();
         let path = HandPath::new(&coupling, &model.law, time, hands);
         let rollout = roll_out(&coupling, &model.law, &path, &starts[0], None);

@@ -7,10 +7,10 @@
 //! time: the Gauss-Newton step of that problem, with its bounds.
 
 use super::coupling::Coupling;
+use super::grips::Grips;
 use super::model::PostureDistribution;
-use super::step::StepSolver;
+use super::step::{Allowed, Bounds, StepSolver};
 use crate::kinematics::Frames;
-use crate::math::Pose;
 use crate::math::stream::{Purpose, normals, stream};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -28,6 +28,9 @@ const LARGEST_STEP: f64 = 0.3;
 
 /// Share of its range by which any joint may stray where the person's own postures are too stiff.
 const STRAY_SHARE: f64 = 0.03;
+
+/// Bounds of legs and balance within this count, m or rad: one iteration goes far.
+const NEAR: f64 = 0.3;
 
 /// How the worker stands before the movement.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,16 +54,17 @@ pub struct Start {
     pub is_unusual: bool,
 }
 
-/// Start postures of some people for a hand pose (pelvis frame). Draw r depends on (seed, block, r) and on
+/// Start postures of some people for grips in the rest frame. Draw r depends on (seed, block, r) and on
 /// the start pose only, so every path from the same start meets the same people.
 pub fn start_postures(
     coupling: &Coupling,
     postures: &PostureDistribution,
     rule: &StartRule,
-    hand: &Pose,
+    hand: impl Into<Grips>,
     (seed, block): (u64, u32),
     people: Range<usize>,
 ) -> Vec<Start> {
+    let hand = &hand.into();
     let factor = postures.covariance.clone().cholesky();
     let n = postures.mean.len();
     people
@@ -89,7 +93,7 @@ fn reach(
     coupling: &Coupling,
     postures: &PostureDistribution,
     wish: &DVector<f64>,
-    hand: &Pose,
+    hand: &Grips,
 ) -> Option<DVector<f64>> {
     // From the wish itself; where that fails (limits in the way), from the mean posture.
     let by = |metric: &DMatrix<f64>| {
@@ -108,18 +112,19 @@ fn reach_from(
     coupling: &Coupling,
     metric: &DMatrix<f64>,
     wish: &DVector<f64>,
-    hand: &Pose,
+    hand: &Grips,
     from: &DVector<f64>,
 ) -> Option<DVector<f64>> {
     let limits = coupling.limits();
     let mut solver = StepSolver::new(metric.clone());
+    let mut bounds = Bounds::default();
     let mut frames = Frames::default();
     let clamp = |i: usize, v: f64| v.clamp(limits.lower[i], limits.upper[i]);
     let mut q = DVector::from_fn(from.len(), |i, _| clamp(i, from[i]));
     for iteration in 0..MOST_ITERATIONS {
         let now = coupling.observe(&q, &mut frames);
-        let error = coupling.task_error(&now.pose, hand);
-        let linear = coupling.hold().linear_rows();
+        let error = coupling.task_error(&now.grips, hand);
+        let linear = coupling.linear_rows();
         let turned = error.rows_range(linear..).iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let size = error.rows(0, linear).amax().max(0.4 * turned);
         let is_polish = iteration >= SEARCH_ITERATIONS;
@@ -128,10 +133,12 @@ fn reach_from(
         let calm = if iteration < SEARCH_ITERATIONS / 2 { 1.0 } else { 0.5 };
         let part = (LARGEST_ERROR_M / size).min(1.0) * if is_polish { 1.0 } else { calm };
         let wanted = if is_polish { DVector::zeros(q.len()) } else { (wish - &q) * part };
-        let step = solver.solve(&q, &now.jacobian, &(&error * part), &wanted, limits, 1.0).ok()?;
+        coupling.bounds(&frames, NEAR, &mut bounds);
+        let allowed = Allowed { limits, bounds: &bounds };
+        let step = solver.solve(&q, &now.jacobian, &(&error * part), &wanted, allowed, 1.0).ok()?;
         let largest = step.amax();
         if error.amax() < TOLERANCE && (is_polish || largest < SETTLED) {
-            return Some(q);
+            return coupling.is_balanced(&frames).then_some(q);
         }
         q += &step * (LARGEST_STEP / largest).min(1.0);
     }
@@ -142,7 +149,7 @@ fn reach_from(
 mod tests {
     use super::*;
     use crate::human::{Body, Side, Stance};
-    use crate::math::Vec3;
+    use crate::math::{Pose, Vec3};
     use crate::posture::{Hold, simulated_person};
 
     #[test]

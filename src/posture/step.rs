@@ -2,7 +2,8 @@
 //!
 //! Solve the conditioned Gaussian; if a joint would leave its range, lock it at the limit (its weight
 //! becomes zero, its velocity is given) and solve again; if a bounded *sum* of joints would leave its
-//! range, it becomes an equality row of the task. The hand stays on its path while a solution exists.
+//! range, or what follows from the joints (a leg, the centre of mass) would leave its own, it becomes an
+//! equality row of the task. The hand stays on its path while a solution exists.
 //! Clamping after the step would take the hand off the path; rejecting would bias the distribution.
 
 use crate::human::PostureLimits;
@@ -20,6 +21,72 @@ const LANES: usize = 8;
 /// Eight rows of the task at one joint; those that the task does not have are zero.
 type Lanes = [f64; LANES];
 
+/// Bounds that hold near one posture only: each on a weighted sum of the leading columns.
+#[derive(Debug, Clone, Default)]
+pub struct Bounds {
+    coefficients: Vec<f64>,
+    rows: Vec<Bound>,
+}
+
+/// One of them: its coefficients from here, and as many; its value now and its range.
+#[derive(Debug, Clone, Copy)]
+struct Bound {
+    from: usize,
+    count: usize,
+    at: f64,
+    lower: f64,
+    upper: f64,
+}
+
+/// Everything that a posture may not leave.
+#[derive(Debug, Clone, Copy)]
+pub struct Allowed<'a> {
+    /// Ranges of the joints and of sums of them.
+    pub limits: &'a PostureLimits,
+    /// What holds near the posture.
+    pub bounds: &'a Bounds,
+}
+
+static NO_BOUNDS: Bounds = Bounds { coefficients: Vec::new(), rows: Vec::new() };
+
+impl<'a> From<&'a PostureLimits> for Allowed<'a> {
+    fn from(limits: &'a PostureLimits) -> Self {
+        Self { limits, bounds: &NO_BOUNDS }
+    }
+}
+
+impl Bounds {
+    pub(super) fn clear(&mut self) {
+        self.coefficients.clear();
+        self.rows.clear();
+    }
+
+    /// Adds `lower <= at + coefficients . change <= upper`.
+    pub(super) fn push(&mut self, coefficients: &[f64], at: f64, (lower, upper): (f64, f64)) {
+        let (from, count) = (self.coefficients.len(), coefficients.len());
+        self.coefficients.extend_from_slice(coefficients);
+        self.rows.push(Bound { from, count, at, lower, upper });
+    }
+
+    /// Moves the posture on by `change`, n.
+    pub(super) fn move_on(&mut self, change: &DVector<f64>) {
+        let Self { coefficients, rows } = self;
+        for row in rows {
+            row.at += row.along(coefficients, change);
+        }
+    }
+}
+
+impl Bound {
+    fn of<'a>(&self, all: &'a [f64]) -> &'a [f64] {
+        &all[self.from..self.from + self.count]
+    }
+
+    fn along(&self, all: &[f64], v: &DVector<f64>) -> f64 {
+        self.of(all).iter().zip(v.iter()).map(|(c, v)| c * v).sum()
+    }
+}
+
 /// The limits or the geometry leave no joint velocity that meets the task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReachExceeded;
@@ -30,6 +97,8 @@ pub struct StepSolver {
     weight: DMatrix<f64>,
     locked: Vec<Option<f64>>,
     sums: Vec<Option<f64>>,
+    /// Of the bounds.
+    bound: Vec<Option<f64>>,
     system: System,
 }
 
@@ -54,7 +123,13 @@ impl StepSolver {
     /// For a symmetric positive definite weight, n x n.
     pub fn new(weight: DMatrix<f64>) -> Self {
         let n = weight.nrows();
-        Self { weight, locked: vec![None; n], sums: Vec::new(), system: System::default() }
+        Self {
+            weight,
+            locked: vec![None; n],
+            sums: Vec::new(),
+            bound: Vec::new(),
+            system: System::default(),
+        }
     }
 
     /// Takes another weight of the same size.
@@ -63,19 +138,20 @@ impl StepSolver {
     }
 
     /// Joint velocity (n, rad/s) that meets `jacobian` (m x n) `qdot = task` (m), is otherwise the
-    /// conditioned mean for the `preferred` velocity, and keeps `q + dt qdot` within the limits.
-    pub fn solve(
+    /// conditioned mean for the `preferred` velocity, and keeps `q + dt qdot` within what is allowed.
+    pub fn solve<'a>(
         &mut self,
         q: &DVector<f64>,
         jacobian: &DMatrix<f64>,
         task: &DVector<f64>,
         preferred: &DVector<f64>,
-        limits: &PostureLimits,
+        allowed: impl Into<Allowed<'a>>,
         dt: f64,
     ) -> Result<DVector<f64>, ReachExceeded> {
+        let allowed = allowed.into();
         // Locking all violators at once is fast; one at a time locks no more than needed.
-        self.passes(q, jacobian, task, preferred, limits, (dt, false))
-            .or_else(|_| self.passes(q, jacobian, task, preferred, limits, (dt, true)))
+        self.passes(q, jacobian, task, preferred, allowed, (dt, false))
+            .or_else(|_| self.passes(q, jacobian, task, preferred, allowed, (dt, true)))
     }
 
     fn passes(
@@ -84,15 +160,20 @@ impl StepSolver {
         jacobian: &DMatrix<f64>,
         task: &DVector<f64>,
         preferred: &DVector<f64>,
-        limits: &PostureLimits,
+        allowed: Allowed,
         (dt, one_at_a_time): (f64, bool),
     ) -> Result<DVector<f64>, ReachExceeded> {
         self.locked.fill(None);
-        self.sums.clear();
-        self.sums.resize(limits.sums.len(), None);
+        for (list, count) in [
+            (&mut self.sums, allowed.limits.sums.len()),
+            (&mut self.bound, allowed.bounds.rows.len()),
+        ] {
+            list.clear();
+            list.resize(count, None);
+        }
         for _ in 0..MOST_PASSES {
-            let velocity = self.conditioned(jacobian, task, preferred, limits)?;
-            let mut found = self.violations(q, &velocity, limits, dt);
+            let velocity = self.conditioned(jacobian, task, preferred, allowed)?;
+            let mut found = self.violations(q, &velocity, allowed, dt);
             if found.is_empty() {
                 return Ok(velocity);
             }
@@ -104,33 +185,43 @@ impl StepSolver {
                 match v.place {
                     Place::Joint(i) => self.locked[i] = Some(v.rate),
                     Place::Sum(i) => self.sums[i] = Some(v.rate),
+                    Place::Bound(i) => self.bound[i] = Some(v.rate),
                 }
             }
         }
         Err(ReachExceeded)
     }
 
-    /// The conditioned mean with locked joints and sums.
+    /// The conditioned mean with locked joints, sums and bounds.
     fn conditioned(
         &mut self,
         jacobian: &DMatrix<f64>,
         task: &DVector<f64>,
         preferred: &DVector<f64>,
-        limits: &PostureLimits,
+        Allowed { limits, bounds }: Allowed,
     ) -> Result<DVector<f64>, ReachExceeded> {
-        let Self { weight, locked, sums, system } = self;
+        let Self { weight, locked, sums, bound, system } = self;
         let mut velocity = preferred.clone();
         for (v, rate) in velocity.iter_mut().zip(locked.iter()) {
             *v = rate.unwrap_or(*v);
         }
-        let held = sums.iter().enumerate().filter_map(|(i, r)| r.map(|r| (i, r)));
-        let count = task.len() + held.clone().count();
+        let (sums, bound) = (held(sums), held(bound));
+        let count = task.len() + sums.clone().count() + bound.clone().count();
         system.fill(count, jacobian, task);
-        for (row, (sum, rate)) in (task.len()..).zip(held) {
+        let mut row = task.len();
+        for (sum, rate) in sums {
             for &column in &limits.sums[sum].columns {
-                system.rows[column * system.blocks + row / LANES][row % LANES] = 1.0;
+                system.set(row, column, 1.0);
             }
             system.missing[row / LANES][row % LANES] = rate;
+            row += 1;
+        }
+        for (i, rate) in bound {
+            for (column, c) in bounds.rows[i].of(&bounds.coefficients).iter().enumerate() {
+                system.set(row, column, *c);
+            }
+            system.missing[row / LANES][row % LANES] = rate;
+            row += 1;
         }
         let is_solved = wide(
             #[inline(always)]
@@ -155,7 +246,7 @@ impl StepSolver {
         &self,
         q: &DVector<f64>,
         velocity: &DVector<f64>,
-        limits: &PostureLimits,
+        Allowed { limits, bounds }: Allowed,
         dt: f64,
     ) -> Vec<Violation> {
         let check = |place, at: f64, rate: f64, lower: f64, upper: f64| {
@@ -172,7 +263,14 @@ impl StepSolver {
             let total = |v: &DVector<f64>| s.columns.iter().map(|&c| v[c]).sum::<f64>();
             check(Place::Sum(i), total(q), total(velocity), s.lower, s.upper)
         });
-        joints.chain(sums).collect()
+        let bounds =
+            bounds.rows.iter().enumerate().filter(|(i, _)| self.bound[*i].is_none()).filter_map(
+                |(i, b)| {
+                    let rate = b.along(&bounds.coefficients, velocity);
+                    check(Place::Bound(i), b.at, rate, b.lower, b.upper)
+                },
+            );
+        joints.chain(sums).chain(bounds).collect()
     }
 }
 
@@ -200,6 +298,10 @@ impl System {
             own.as_flattened_mut()[..m].copy_from_slice(column);
         }
         self.missing.as_flattened_mut()[..m].copy_from_slice(task.as_slice());
+    }
+
+    fn set(&mut self, row: usize, column: usize, value: f64) {
+        self.rows[column * self.blocks + row / LANES][row % LANES] = value;
     }
 
     /// Takes away from the task what a joint velocity (n, rad/s) does already.
@@ -334,6 +436,12 @@ struct Violation {
 enum Place {
     Joint(usize),
     Sum(usize),
+    Bound(usize),
+}
+
+/// Those that are held, with their rates.
+fn held(list: &[Option<f64>]) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
+    list.iter().enumerate().filter_map(|(i, r)| r.map(|r| (i, r)))
 }
 
 #[cfg(test)]

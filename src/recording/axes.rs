@@ -65,9 +65,7 @@ pub(super) fn rigid_body_from_isb(segment: &str) -> Option<UnitQuaternion<f64>> 
 /// At a right elbow: flexion, carrying angle, pronation; at a left one x and y change sign. The
 /// split is singular where x reaches +-90 degrees.
 pub fn zxy_angles(child_in_parent: &UnitQuaternion<f64>) -> [f64; 3] {
-    let r = child_in_parent.to_rotation_matrix();
-    let x = r[(2, 1)].clamp(-1.0, 1.0).asin();
-    [(-r[(0, 1)]).atan2(r[(1, 1)]), x, (-r[(2, 0)]).atan2(r[(2, 2)])]
+    crate::math::pose::zxy(child_in_parent.to_rotation_matrix().matrix())
 }
 
 #[cfg(test)]

@@ -3,14 +3,16 @@
 use super::drawn::{Figure, drawn, is_graph, is_scaled};
 use super::figure_paths::{bone_pen, robot_pen};
 use super::style::{
-    BEST, BLUE, FAINT, INK, MUTED, OWN, Pen, STRAIGHT, Stroke, method_levels, tint,
+    BEST, BLUE, FAINT, INK, MUTED, OWN, Pen, SHIRT, STRAIGHT, Stroke, method_levels, segment_color,
+    tint,
 };
 use super::tests::{feasible, scenario_file};
 use super::value_axis::method_color;
 use super::view::View;
 use super::*;
 use crate::ergonomics::ScoringMethod;
-use crate::planner::{BodyScores, CandidateResult, look_at_cell};
+use crate::human::SegmentKind;
+use crate::planner::{BodyScores, CandidateResult, Moment, look_at_cell};
 use crate::posture::Method;
 use crate::scenario::read_scenario;
 use crate::training::{HeldOutCurves, JointCurves, JointWeight, WeightSpread};
@@ -131,8 +133,22 @@ fn postures_are_whole_and_have_their_angles() {
     let figure = drawn(|| figure_postures::postures(&View::of(result)).map(Option::unwrap));
     let bones: usize = result.moments.iter().map(|m| m.bones.len()).sum();
     assert!(bones > 20 * result.moments.len() && !result.moments.is_empty());
-    assert_eq!(figure.lines(bone_pen(false)).len(), bones);
+    assert_eq!(figure.lines(figure_postures::BONE).len(), bones);
     assert_eq!(figure.discs(INK).len(), bones);
+    // Every piece of the mannequin; a shoe is flat where it meets the floor.
+    for kind in SegmentKind::ALL {
+        let color = segment_color(kind).unwrap_or(SHIRT);
+        let of = |m: &Moment| {
+            let kinds = m.mannequin.capsules.iter().filter_map(|c| c.kind);
+            kinds.filter(|k| segment_color(*k).unwrap_or(SHIRT) == color).count()
+        };
+        let pieces: usize = result.moments.iter().map(of).sum();
+        assert_eq!(figure.areas(color).len(), pieces, "{kind:?}");
+    }
+    for shoe in figure.areas(segment_color(SegmentKind::Foot).unwrap()) {
+        let lowest = shoe.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
+        assert!(shoe.iter().filter(|p| lowest - p.1 < 0.5).count() > 10);
+    }
     for moment in &result.moments {
         assert!(figure.mentions(&format!("RULA {}, REBA {}", moment.rula, moment.reba)) > 0);
         for (name, _) in &moment.angles_deg {

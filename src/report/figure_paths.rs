@@ -7,6 +7,7 @@ use super::style::{
     BEST, FAINT, LABEL, MUTED, OBSTACLE, ORANGE, OTHER, OWN, Pen, STRAIGHT, Stroke, TICK, VERMILION,
 };
 use super::view::View;
+use crate::math::Vec3;
 use crate::planner::{CandidateResult, PosePicture, Setting};
 use plotters::style::RGBColor;
 
@@ -36,6 +37,21 @@ impl Look {
             Self::Front([fx, fy]) => [fx * p[1] - fy * p[0], p[2]],
             Self::Top => [p[0], p[1]],
         }
+    }
+
+    /// Directions in the world to the right and upwards in the view.
+    pub(super) fn axes(self) -> [Vec3; 2] {
+        match self {
+            Self::Side([fx, fy]) => [Vec3::new(fx, fy, 0.0), Vec3::z()],
+            Self::Front([fx, fy]) => [Vec3::new(-fy, fx, 0.0), Vec3::z()],
+            Self::Top => [Vec3::x(), Vec3::y()],
+        }
+    }
+
+    /// Direction towards the eye.
+    pub(super) fn near(self) -> Vec3 {
+        let [right, up] = self.axes();
+        right.cross(&up)
     }
 
     /// The rectangle that bounds a box in the view.

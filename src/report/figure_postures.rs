@@ -1,7 +1,8 @@
 //! Figure: postures of the best path that matter, each with its body angles.
 
 use super::ReportError;
-use super::figure_paths::{Look, bone_pen, extent};
+use super::figure_paths::Look;
+use super::mannequin;
 use super::panel::Panel;
 use super::sheet::{Anchor, Drawn, Sheet, Type, png};
 use super::style::{FAINT, GRID, INK, LABEL, MUTED, Pen, Stroke, TICK};
@@ -14,6 +15,8 @@ const WIDTH: f64 = 1600.0;
 const HEIGHT: f64 = 640.0;
 /// Room for the headings, px.
 const TOP: f64 = 150.0;
+/// Joint centres and the lines between them, over the person in shape.
+pub(super) const BONE: Pen = Pen { color: INK, width: 1.5, stroke: Stroke::Solid };
 /// Part of a column that shows the person.
 const SHARE: f64 = 0.46;
 
@@ -55,26 +58,26 @@ fn column(sheet: &Sheet, moment: &Moment, look: Look, (left, right): (f64, f64))
     );
     sheet.text(&scores, (left, line), Type::plain(18.0).colored(MUTED), Anchor::Left)?;
 
-    let points = moment.bones.iter().flatten().map(|p| look.flat(*p));
-    let Some((low, high)) = extent(points) else { return Ok(()) };
+    let Some((low, high)) = mannequin::extent(&moment.mannequin, look) else { return Ok(()) };
     let panel = Panel {
         x_px: (left, left + SHARE * room),
         y_px: (TOP, HEIGHT - 30.0),
-        x: (low[0] - 0.1, high[0] + 0.1),
-        y: (low[1].min(0.0), high[1] + 0.12),
+        x: (low[0] - 0.06, high[0] + 0.06),
+        y: (low[1].min(0.0), high[1] + 0.06),
     };
     let panel = panel.equalised(panel.px_per_unit());
     let floor = Pen { color: FAINT, width: 2.0, stroke: Stroke::Solid };
     sheet.line(&[panel.at(panel.x.0, 0.0), panel.at(panel.x.1, 0.0)], floor)?;
+    mannequin::draw(sheet, &moment.mannequin, look, &panel)?;
     let at = |p: [f64; 3]| {
         let [x, y] = look.flat(p);
         panel.at(x, y)
     };
     for [a, b] in &moment.bones {
-        sheet.line(&[at(*a), at(*b)], bone_pen(false))?;
+        sheet.line(&[at(*a), at(*b)], BONE)?;
     }
     for [_, b] in &moment.bones {
-        sheet.disc(at(*b), 4.0, INK)?;
+        sheet.disc(at(*b), 2.0, INK)?;
     }
     let text = left + (SHARE + 0.03) * room;
     for (i, (name, deg)) in moment.angles_deg.iter().enumerate() {

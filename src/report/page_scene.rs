@@ -2,9 +2,10 @@
 
 use super::ReportError;
 use super::figure_paths::role;
-use super::style::{Pen, Stroke, css, method_levels};
+use super::style::{Pen, Stroke, css, method_levels, segment_color};
 use super::view::{View, family_words};
 use crate::ergonomics::{BandOverTime, ScoringMethod};
+use crate::human::SegmentKind;
 use crate::planner::{CandidateResult, SceneMotion, SceneObstacle};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -28,6 +29,15 @@ struct PageScene<'a> {
     /// The body that is shown first.
     body: &'a str,
     levels: Vec<PageLevel>,
+    segments: Vec<PageSegment>,
+}
+
+/// How a kind of segment is coloured.
+#[derive(Serialize)]
+struct PageSegment {
+    kind: SegmentKind,
+    /// None: that of the action level of the moment.
+    color: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -114,7 +124,7 @@ pub(super) fn section(view: &View) -> Markup {
     };
     html! {
         p {
-            "The robot, the person as a body of capsules, and the paths; in motion. The person shown is the \
+            "The robot, the person as a mannequin, and the paths; in motion. The person shown is the \
              repetition nearest to the mean posture of all. Translucent ghosts are other repetitions, spread evenly \
              over their ranking by RULA: how much this one person's posture varies."
         }
@@ -152,7 +162,7 @@ pub(super) fn section(view: &View) -> Markup {
                 div { dt { "REBA of all repetitions, now" } dd id="scene-reba" {} }
             }
             p.note {
-                "The person has the colour of the RULA action level of the moment: "
+                "The shirt has the colour of the RULA action level of the moment: "
                 @for (i, l) in method_levels(ScoringMethod::Rula).iter().enumerate() {
                     @if i > 0 { ", " }
                     span.swatch style={ "background:" (css(l.color)) } {} (l.number) " " (l.words)
@@ -208,6 +218,9 @@ pub(super) fn scripts(view: &View) -> Result<Markup, ReportError> {
                 words: l.words,
             })
             .collect(),
+        segments: SegmentKind::ALL
+            .map(|kind| PageSegment { kind, color: segment_color(kind).map(css) })
+            .into(),
     };
     // No `<` in the data can end the element or open a comment.
     let data = serde_json::to_string(&page)?.replace('<', "\\u003c");

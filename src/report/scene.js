@@ -31,50 +31,115 @@
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (v) => { const n = Math.hypot(...v) || 1; return v.map((c) => c / n); };
 
-  /** A mesh of capsules, `sides` around and `rings` from equator to pole; its shape never changes. */
-  function tubes(capsules, copies, sides, rings) {
-    const levels = 2 * rings;
-    const perTube = levels * sides;
-    const count = capsules.length * copies * perTube;
-    const mesh = { x: new Float32Array(count), y: new Float32Array(count), z: new Float32Array(count) };
-    const [i, j, k] = [[], [], []];
-    for (let base = 0; base < count; base += perTube) {
-      for (let level = 0; level + 1 < levels; level++) {
-        for (let side = 0; side < sides; side++) {
-          const a = base + level * sides + side;
-          const b = base + level * sides + ((side + 1) % sides);
-          i.push(a, b); j.push(b, b + sides); k.push(a + sides, a + sides);
-        }
+  /** Share of its radius by which a limb swells below its upper joint. */
+  const SWELL = { shank: 0.2, forearm: 0.12, thigh: 0.05, "upper-arm": 0.08 };
+  /** How far an end stands out, over its radius; a shirt ends in an edge. */
+  const STANDS_OUT = { trunk: 0.05, pelvis: 0.5 };
+  const kinds = data.segments.map((s) => s.kind);
+
+  /** Capsules as rows of cross-sections; those that go on in each other, as in a trunk, are one row. */
+  function chained(capsules) {
+    const chains = [];
+    for (const { ends, radii_mm, wide, kind } of capsules) {
+      const [from, to] = [0, 1].map((e) => ({ point: ends[e], toward: wide && wide.toward[e],
+        radii: [(wide || { radii_mm }).radii_mm[e] / 1000, radii_mm[e] / 1000] }));
+      const before = chains[chains.length - 1];
+      if (wide && before && before.kind === kind && before.sections[before.sections.length - 1].point === from.point) {
+        before.sections.push(to);
+      } else {
+        chains.push({ kind, sections: [from, to] });
       }
     }
-    const turns = Array.from({ length: sides }, (_, s) =>
-      [Math.cos((2 * Math.PI * s) / sides), Math.sin((2 * Math.PI * s) / sides)]);
+    return chains;
+  }
+
+  /** A mesh of tapered capsules, `sides` around, `rings` from equator to pole at both ends and `between`
+      them; its shape never changes. */
+  function tubes(capsules, copies, sides, rings, between = 0) {
     const arc = Array.from({ length: rings }, (_, r) => (r / Math.max(rings - 1, 1)) * (Math.PI / 2));
-    /** Puts copy `copy` where its points are; without points it shrinks to nothing. */
-    function place(copy, points) {
-      let n = copy * capsules.length * perTube;
-      for (const capsule of capsules) {
-        const end = (e) => points ? points.subarray(3 * capsule.ends[e], 3 * capsule.ends[e] + 3) : [0, 0, 0];
-        const [a, b] = [end(0), end(1)];
-        const radius = points ? capsule.radius_mm / 1000 : 0;
-        const along = unit([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
-        const u = unit(cross(along, Math.abs(along[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
-        const v = cross(along, u);
-        for (let level = 0; level < levels; level++) {
-          const isA = level < rings;
-          const angle = isA ? arc[level] : arc[levels - 1 - level];
-          const [c, out] = [isA ? a : b, radius * Math.sin(angle)];
-          const on = (isA ? -1 : 1) * radius * Math.cos(angle);
-          for (const [cos, sin] of turns) {
-            mesh.x[n] = c[0] + along[0] * on + out * (u[0] * cos + v[0] * sin);
-            mesh.y[n] = c[1] + along[1] * on + out * (u[1] * cos + v[1] * sin);
-            mesh.z[n] = c[2] + along[2] * on + out * (u[2] * cos + v[2] * sin);
-            n++;
+    const chains = chained(capsules).map((chain) => {
+      const last = chain.sections.length - 1;
+      const steps = last * (between + 1) - 1;
+      // Of each level: where it is among the sections, how far beyond its end, how wide.
+      const levels = [
+        ...arc.map((angle) => [0, -Math.cos(angle), Math.sin(angle)]),
+        ...Array.from({ length: steps }, (_, m) => [(m + 1) / (between + 1), 0, 1]),
+        ...arc.map((angle) => [last, Math.cos(angle), Math.sin(angle)]).reverse(),
+      ];
+      return { ...chain, levels };
+    });
+    const [i, j, k, of] = [[], [], [], []];
+    for (let copy = 0; copy < copies; copy++) {
+      for (const { levels, kind } of chains) {
+        for (let level = 0; level < levels.length; level++) {
+          for (let side = 0; side < sides; side++) {
+            const a = of.length;
+            of.push((kinds.indexOf(kind) + 0.5) / kinds.length);
+            if (level + 1 === levels.length) continue;
+            const b = side + 1 < sides ? a + 1 : a + 1 - sides;
+            i.push(a, b); j.push(b, b + sides); k.push(a + sides, a + sides);
           }
         }
       }
     }
-    return { mesh, i, j, k, place };
+    const count = of.length;
+    const mesh = { x: new Float32Array(count), y: new Float32Array(count), z: new Float32Array(count) };
+    const turns = Array.from({ length: sides }, (_, s) =>
+      [Math.cos((2 * Math.PI * s) / sides), Math.sin((2 * Math.PI * s) / sides)]);
+    const less = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    const mixed = (a, b, t) => [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])];
+    /** A direction, made square to an axis. */
+    const square = (v, axis) => {
+      const on = v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+      return unit(less(v, axis.map((c) => on * c)));
+    };
+
+    function placeChain({ kind, sections, levels }, points, from) {
+      const at = (p) => points.subarray(3 * p, 3 * p + 3);
+      const last = sections.length - 1;
+      const frames = sections.map(({ point, toward }, s) => {
+        const axis = unit(less(at(sections[Math.min(s + 1, last)].point), at(sections[Math.max(s - 1, 0)].point)));
+        const aside = toward === undefined ? cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]) : less(at(toward), at(point));
+        return { middle: at(point), axis, u: square(aside, axis) };
+      });
+      const swell = 6.75 * (SWELL[kind] || 0);
+      const out = STANDS_OUT[kind] || 1;
+      let n = from;
+      for (const [where, beyond, part] of levels) {
+        const s = Math.min(Math.floor(where), last - 1);
+        const t = where - s;
+        const [a, b] = [frames[s], frames[s + 1]];
+        const axis = unit(mixed(a.axis, b.axis, t));
+        const u = square(mixed(a.u, b.u, t), axis);
+        const v = cross(axis, u);
+        const [ra, rb] = [sections[s].radii, sections[s + 1].radii];
+        const more = 1 + swell * t * (1 - t) ** 2;
+        const [ru, rv] = [0, 1].map((x) => more * (ra[x] + t * (rb[x] - ra[x])));
+        const on = beyond * out * Math.min(ru, rv);
+        const c = mixed(a.middle, b.middle, t);
+        for (const [cos, sin] of turns) {
+          // A sole is flat.
+          const pu = part * ru * (kind === "foot" ? Math.max(cos, 0) : cos);
+          const pv = part * rv * sin;
+          mesh.x[n] = c[0] + axis[0] * on + pu * u[0] + pv * v[0];
+          mesh.y[n] = c[1] + axis[1] * on + pu * u[1] + pv * v[1];
+          mesh.z[n] = c[2] + axis[2] * on + pu * u[2] + pv * v[2];
+          n++;
+        }
+      }
+      return n;
+    }
+
+    /** Puts copy `copy` where its points are; without points it shrinks to nothing. */
+    function place(copy, points) {
+      const perCopy = count / copies;
+      if (!points) {
+        for (const axis of Object.values(mesh)) axis.fill(0, copy * perCopy, (copy + 1) * perCopy);
+        return;
+      }
+      chains.reduce((n, chain) => placeChain(chain, points, n), copy * perCopy);
+    }
+    return { mesh, i, j, k, place, kinds: Float32Array.from(of) };
   }
 
   // ---- what stands still ----------------------------------------------------------------------
@@ -113,7 +178,7 @@
       return { points, faces, edges: [loop(0), loop(n)] };
     }
     const [a, b] = o.shape === "sphere" ? [o.center_m, o.center_m] : o.ends_m;
-    const ball = tubes([{ ends: [0, 1], radius_mm: 1000 * o.radius_m }], 1, 24, 8);
+    const ball = tubes([{ ends: [0, 1], radii_mm: [1000 * o.radius_m, 1000 * o.radius_m] }], 1, 24, 8);
     ball.place(0, Float32Array.from([...a, ...b]));
     return {
       points: Array.from(ball.mesh.x, (x, n) => [x, ball.mesh.y[n], ball.mesh.z[n]]),
@@ -205,16 +270,23 @@
     return limits.map(([low, high], a) => [a === 2 ? Math.min(low, 0) : low - 0.25, high + 0.25]);
   }
 
-  const mesh = (tube, name, color, opacity) => ({
-    type: "mesh3d", ...tube.mesh, i: tube.i, j: tube.j, k: tube.k, name, color, opacity, lighting: LIGHT,
+  const mesh = (tube, name, look, opacity) => ({
+    type: "mesh3d", ...tube.mesh, i: tube.i, j: tube.j, k: tube.k, name, ...look, opacity, lighting: LIGHT,
     lightposition: { x: 2000, y: -4000, z: 9000 }, hoverinfo: "skip",
+  });
+
+  /** A scale with one step for each kind of segment; those without a colour of their own have `score`. */
+  const clothed = (score) => ({
+    colorscale: data.segments.flatMap((s, n) => [n, n + 1].map((e) => [e / kinds.length, s.color || score])),
   });
 
   /** Capsules in which ghosts differ from the person shown; a little thinner, so that equal ones hide inside. */
   function varied(capsules, { typical, ghosts }) {
     const differs = (point) => ghosts.some((g) => [0, g.length - 1].some((k) => typical && typical[k] &&
       [0, 1, 2].some((a) => Math.abs(g[k][3 * point + a] - typical[k][3 * point + a]) > 0.002)));
-    return capsules.filter((c) => c.ends.some(differs)).map((c) => ({ ...c, radius_mm: 0.93 * c.radius_mm }));
+    const thinner = (radii) => radii.map((r) => 0.93 * r);
+    return capsules.filter((c) => c.ends.some(differs)).map((c) =>
+      ({ ...c, radii_mm: thinner(c.radii_mm), wide: c.wide && { ...c.wide, radii_mm: thinner(c.wide.radii_mm) } }));
   }
 
   /** Shown things of the chosen path and body. */
@@ -226,7 +298,7 @@
     const ready = unpacked(motion);
     show = {
       motion, people, points: ready.people[which], robotPoints: ready.robot,
-      person: people.typical && tubes(people.capsules, 1, 12, 4),
+      person: people.typical && tubes(people.capsules, 1, 18, 5, 2),
       ghosts: people.ghosts.length && tubes(varied(people.capsules, ready.people[which]), people.ghosts.length, 6, 2),
       robot: motion.robot && tubes(motion.robot.capsules, 1, 12, 3),
     };
@@ -245,14 +317,16 @@
   }
 
   function moving() {
-    const color = posture();
-    const traces = [];
-    if (show.ghosts) traces.push({ ...mesh(show.ghosts, "other repetitions (ghosts)", "#4b5c78", 0.13), visible: state.ghosts });
-    if (show.person) traces.push(mesh(show.person, "typical repetition", color, 1));
-    if (show.robot) traces.push(mesh(show.robot, "robot", "#c3cad5", 1));
-    show.meshes = [show.ghosts, show.person, show.robot].filter(Boolean).map((t) => t.mesh);
-    show.colors = [show.ghosts && "#4b5c78", show.person && color, show.robot && "#c3cad5"].filter(Boolean);
-    return traces;
+    const score = posture();
+    const shown = [
+      [show.ghosts, "other repetitions (ghosts)", { color: "#4b5c78", visible: state.ghosts }, 0.13],
+      [show.person, "typical repetition", show.person && { ...clothed(score), intensity: show.person.kinds,
+        cmin: 0, cmax: 1, showscale: false }, 1],
+      [show.robot, "robot", { color: "#c3cad5" }, 1],
+    ].filter(([tube]) => tube);
+    show.meshes = shown.map(([tube]) => tube.mesh);
+    show.personAt = shown.findIndex(([tube]) => tube === show.person);
+    return shown.map((args) => mesh(...args));
   }
 
   function paths() {
@@ -307,18 +381,18 @@
   /** Draws the moment. `Plotly.restyle` would make every line and word anew, at three times the cost, so the
       meshes that move are handed to the plot's own objects where these are as known. */
   function draw() {
-    const color = posture();
-    if (show.person) show.colors[show.ghosts ? 1 : 0] = color;
+    const look = clothed(posture());
     readout();
     const plot = $("scene-plot");
     const inner = plot._fullLayout.scene._scene;
     const drawn = show.meshes.map((_, n) => inner?.traces?.[plot._fullData[n]?.uid]);
     if (!drawn.every((d) => d?.update) || !inner.glplot?.redraw) {
       const of = (axis) => show.meshes.map((m) => m[axis].slice());
-      return Plotly.restyle(plot, { x: of("x"), y: of("y"), z: of("z"), color: show.colors }, show.meshes.map((_, n) => n));
+      const moved = Plotly.restyle(plot, { x: of("x"), y: of("y"), z: of("z") }, show.meshes.map((_, n) => n));
+      return show.person ? moved.then(() => Plotly.restyle(plot, { colorscale: [look.colorscale] }, [show.personAt])) : moved;
     }
     show.meshes.forEach((mesh, n) => {
-      const now = { ...mesh, color: show.colors[n] };
+      const now = n === show.personAt ? { ...mesh, ...look } : mesh;
       Object.assign(plot.data[n], now);
       drawn[n].update(Object.assign(plot._fullData[n], now));
     });

@@ -4,6 +4,7 @@
 //! apart; wherever colour carries meaning, a label, a line style or a marker carries it too.
 
 use crate::ergonomics::ScoringMethod;
+use crate::human::SegmentKind;
 use plotters::style::RGBColor;
 
 /// Name under which the embedded font is registered.
@@ -22,6 +23,22 @@ pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(super) const YELLOW: RGBColor = RGBColor(240, 228, 66);
 pub(super) const ORANGE: RGBColor = RGBColor(230, 159, 0);
 pub(super) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+
+/// The mannequin's shirt where it has not the colour of a score.
+pub(super) const SHIRT: RGBColor = RGBColor(150, 168, 192);
+
+/// Colour of a mannequin's segments; none for the shirt, which may show a score.
+pub(super) fn segment_color(kind: SegmentKind) -> Option<RGBColor> {
+    use SegmentKind as K;
+    match kind {
+        K::Head | K::Hand => Some(RGBColor(222, 192, 165)),
+        K::Hair => Some(RGBColor(92, 78, 70)),
+        K::Trunk | K::UpperArm | K::Forearm => None,
+        K::Pelvis | K::Thigh | K::Shank => Some(RGBColor(92, 106, 128)),
+        K::Stool => Some(RGBColor(176, 182, 192)),
+        K::Foot => Some(RGBColor(48, 55, 68)),
+    }
+}
 
 /// Sizes of text, px of the finished figure.
 pub(super) const TITLE: f64 = 26.0;

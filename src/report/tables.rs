@@ -118,11 +118,11 @@ fn family_name(family: Family) -> &'static str {
     }
 }
 
-/// `rollouts/<rank>.csv`: rollout (from 1), time and joint angles, a row for each sample.
+/// `rollouts/<rank>.csv`: rollout (from 1), time, pelvis and joint angles, a row for each sample.
 pub(super) fn rollouts(table: &RolloutTable) -> Result<Vec<u8>, ReportError> {
     let mut out = csv::Writer::from_writer(Vec::new());
-    let joints = table.joints.iter().map(|j| format!("{j}_rad"));
-    out.write_record(["rollout".to_owned(), "time_s".to_owned()].into_iter().chain(joints))?;
+    let columns = table.columns.iter().cloned();
+    out.write_record(["rollout".to_owned(), "time_s".to_owned()].into_iter().chain(columns))?;
     for (r, walk) in table.q.iter().enumerate() {
         for (t, q) in table.time_s.iter().zip(walk) {
             let head = [(r + 1).to_string(), t.to_string()];

@@ -213,7 +213,7 @@ fn the_scene_follows_the_path() {
                     (t - a.lerp(&b, s)).norm() - f64::from(radius)
                 };
                 let least = |points: &[[i64; 3]], capsules: &[crate::planner::SceneCapsule]| {
-                    let far = capsules.iter().map(|c| nearest(points, c.ends, c.radius_mm));
+                    let far = capsules.iter().map(|c| nearest(points, c.ends, c.radii_mm[0]));
                     far.fold(f64::INFINITY, f64::min)
                 };
                 let (hand, tool) =

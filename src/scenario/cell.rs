@@ -1,13 +1,16 @@
 //! Robot, grip, limits and obstacles of the cell.
 
 use super::file::{
-    GripFile, JointLimitFile, LimitsFile, ObstacleFile, PoseFile, RobotFile, WorkspaceFile,
+    GripFile, HandGripFile, JointLimitFile, LimitsFile, ObstacleFile, PoseFile, RobotFile,
+    WorkspaceFile,
 };
 use super::plausible::name_fault;
 use super::source::Source;
 use crate::files::InputError;
+use crate::human::Hands;
 use crate::math::{Pose, Vec3};
 use crate::path::{Box3, PathLimits};
+use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
 use toml::Spanned;
 
@@ -16,13 +19,56 @@ pub(super) const NAME: &str = "use a short name of letters, digits, spaces, `-` 
 /// Smallest size of an obstacle, m: a wire.
 const SMALLEST_M: f64 = 1e-3;
 
-pub(super) fn resolve_grip(source: &Source, file: &GripFile) -> Result<Pose, InputError> {
-    let pose = PoseFile {
-        position_m: file.position_m.unwrap_or_default(),
-        rpy_deg: file.rpy_deg,
-        quaternion_wxyz: file.quaternion_wxyz,
+/// The other hand where both hold on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondHand {
+    /// Its grip in the frame of the leading hand's grip.
+    pub between: Pose,
+    /// What the robot prescribes of it.
+    pub hold: Hold,
+}
+
+/// The leading hand's grip and hold, and the other hand's where both hold on.
+pub(super) fn resolve_grip(
+    source: &Source,
+    file: &GripFile,
+    hands: Hands,
+) -> Result<(Pose, Hold, Option<SecondHand>), InputError> {
+    let pose = |position: Option<[f64; 3]>, rpy_deg, quaternion_wxyz, name: &str| {
+        let position_m = position.unwrap_or_default();
+        source.pose_of(&PoseFile { position_m, rpy_deg, quaternion_wxyz }, name)
     };
-    source.pose_of(&pose, "grip")
+    let of = |hand: &HandGripFile, name: &str| {
+        pose(hand.position_m, hand.rpy_deg, hand.quaternion_wxyz, name)
+    };
+    let has_own =
+        file.position_m.is_some() || file.rpy_deg.is_some() || file.quaternion_wxyz.is_some();
+    match (hands, &file.right, &file.left) {
+        (Hands::Both, Some(right), Some(left)) => {
+            if has_own || file.hold.is_some() {
+                return Err(source
+                    .plain("worker.hands is \"both\", and [grip] has keys of its own")
+                    .remedy("keep [grip.right] and [grip.left] only"));
+            }
+            let (first, second) = (of(right, "grip.right")?, of(left, "grip.left")?);
+            let between = first.inverse() * second;
+            Ok((first, right.hold, Some(SecondHand { between, hold: left.hold })))
+        }
+        (Hands::Both, ..) => Err(source
+            .plain("worker.hands is \"both\", but [grip.right] or [grip.left] is missing")
+            .remedy("give the pose of each hand in the frame of the TCP, and its hold")),
+        (_, None, None) => {
+            let Some(hold) = file.hold else {
+                return Err(source
+                    .plain("grip.hold is missing")
+                    .remedy("use \"rigid\", \"free_roll\" or \"point\""));
+            };
+            Ok((pose(file.position_m, file.rpy_deg, file.quaternion_wxyz, "grip")?, hold, None))
+        }
+        _ => Err(source
+            .plain("[grip.right] and [grip.left] are for worker.hands = \"both\"")
+            .remedy("set worker.hands = \"both\", or give the one hand's pose in [grip]")),
+    }
 }
 
 pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, InputError> {

@@ -2,8 +2,8 @@
 
 use super::SCENARIO_SCHEMA;
 use super::cell::{
-    NAME, PersonMargin, resolve_grip, resolve_limits, resolve_obstacle, resolve_person_margin,
-    resolve_robot,
+    NAME, PersonMargin, SecondHand, resolve_grip, resolve_limits, resolve_obstacle,
+    resolve_person_margin, resolve_robot,
 };
 use super::file::{ObstacleFile, PathFile, ScenarioFile, TaskFile};
 use super::freedom::{Freedom, Freedoms, resolve_free};
@@ -15,7 +15,7 @@ use super::warning::Warning;
 use super::worker::{Worker, resolve_worker};
 use crate::ergonomics::Profile;
 use crate::files::{InputError, suggest};
-use crate::human::Stance;
+use crate::human::{Pelvis, Stance};
 use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, End, PathLimits, drawn};
 use crate::posture::Hold;
@@ -58,6 +58,8 @@ pub struct Scenario {
     pub grip: Pose,
     /// Which motions of the hand the robot prescribes.
     pub hold: Hold,
+    /// The other hand where both hold on.
+    pub second_hand: Option<SecondHand>,
     /// The robot.
     pub robot: Robot,
     /// TCP at the start, world.
@@ -115,7 +117,7 @@ pub(super) fn resolve(
         warnings.push(Warning::WholeLoad { mass_kg: task.part_mass_kg });
     }
     let worker = resolve_worker(source, &file.worker)?;
-    let grip = resolve_grip(source, &file.grip)?;
+    let (grip, hold, second_hand) = resolve_grip(source, &file.grip, worker.hands)?;
     let obstacles = resolve_obstacles(source, &file.obstacle)?;
     let doubtful = |doubt: Doubt| Warning::Doubtful { path: None, doubt };
     warnings.extend(source.doubts.take().into_iter().map(doubtful));
@@ -129,7 +131,8 @@ pub(super) fn resolve(
         score_profile,
         worker,
         grip,
-        hold: file.grip.hold,
+        hold,
+        second_hand,
         robot,
         start,
         goal,
@@ -146,6 +149,8 @@ pub(super) fn resolve(
     };
     scenario.refuse_worker_inside(source, &file.worker.at_m)?;
     scenario.warnings.extend(scenario.faces_away().map(Warning::FacesAway));
+    let adapted = scenario.worker.adaptations.iter().copied().map(Warning::Adapted);
+    scenario.warnings.extend(adapted);
     Ok(scenario)
 }
 
@@ -173,7 +178,8 @@ const LOW_HAND_M: f64 = 0.55;
 impl Scenario {
     /// The lower end, where it is too low for straight legs.
     pub fn low_hand(&self) -> Option<LowHand> {
-        let is_standing = matches!(self.worker.stance, Stance::Standing { .. });
+        let is_standing = matches!(self.worker.stance, Stance::Standing { .. })
+            && self.worker.pelvis == Pelvis::Rests;
         let ends = [(End::Start, &self.start), (End::Goal, &self.goal)];
         let heights = ends.map(|(end, tcp)| LowHand { end, height_m: tcp.translation.vector.z });
         let [start, goal] = heights;

@@ -4,15 +4,16 @@ use toml::Table;
 
 /// Table (empty: the top), key, and what holds without it. Limits of the TCP are listed by
 /// [`super::Scenario::assumed_limits`].
-const OPTIONAL: [(&str, &str, &str); 19] = [
+const OPTIONAL: [(&str, &str, &str); 20] = [
     ("", "seed", "0"),
     ("", "score_profile", "vignais2017"),
     ("", "workspace", "none: the TCP may go anywhere within the other limits"),
     ("", "obstacle", "none: nothing to run into"),
-    ("worker", "side", "right"),
+    ("worker", "hands", "right"),
     ("worker", "stance", "standing"),
     ("worker", "shoe_m", "0.03 m"),
     ("worker", "start_posture", "sampled from the person's own"),
+    ("worker", "pelvis", "moves as predicted"),
     ("worker", "neck", "in line with the trunk"),
     ("worker", "other_arm", "unknown, so not scored"),
     ("worker", "trunk_supported", "no"),
@@ -39,6 +40,7 @@ pub fn defaults_in_force(text: &str) -> Vec<String> {
         .filter(|(table, key, _)| !has(table, key))
         // Who sits, sits with or without shoes.
         .filter(|(_, key, _)| !is_seated || *key != "shoe_m")
+        .filter(|(_, key, _)| !has("worker", "side") || *key != "hands")
         .map(|(table, key, words)| {
             let dot = if table.is_empty() { "" } else { "." };
             format!("{table}{dot}{key}: {words}")
@@ -74,6 +76,6 @@ mod tests {
         let all = defaults_in_force("seed = 3\n[worker]\nstance = \"seated\"\n");
         assert!(!all.iter().any(|l| l.starts_with("seed") || l.contains("stance")));
         assert!(!all.iter().any(|l| l.contains("shoe_m")));
-        assert!(all.contains(&"worker.side: right".to_owned()), "{all:?}");
+        assert!(all.contains(&"worker.hands: right".to_owned()), "{all:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! The scenario file as typed: keys, units and defaults.
 
 use super::SCENARIO_SCHEMA;
-use crate::human::Side;
+use crate::human::{Hands, Side};
 use crate::posture::Hold;
 use crate::survey::NeckRule;
 use schemars::JsonSchema;
@@ -129,16 +129,17 @@ pub(super) struct WorkerFile {
     /// Shipped bodies (`female_p05`, `female_p50`, `male_p50`, `male_p95`) or URDF files made by `ergopath body`; the first is the main one.
     #[schemars(with = "Vec<String>", length(min = 1))]
     pub bodies: Spanned<Vec<Spanned<String>>>,
-    /// A shipped posture model (`demo_operator`) or a file that `ergopath train` wrote.
+    /// A shipped posture model (`demo_operator`, `whole_operator`) or a file that `ergopath train` wrote.
     #[schemars(with = "String")]
     pub posture_model: Spanned<String>,
-    /// The hand on the robot; default right.
-    #[serde(default = "right")]
-    pub side: Side,
+    /// The hands on the robot: `right` (default), `left`, or `both`.
+    pub hands: Option<Hands>,
+    /// The hand on the robot; `hands` says the same, and more.
+    pub side: Option<Side>,
     /// Default standing.
     #[serde(default)]
     pub stance: StanceFile,
-    /// Floor point below the pelvis: x, y, world, m.
+    /// Floor point between the feet, below the upright pelvis; seated, below the pelvis: x, y, world, m.
     #[schemars(with = "[f64; 2]")]
     pub at_m: Spanned<[f64; 2]>,
     /// Forward direction of the pelvis about world z, deg; 0 is world x.
@@ -151,6 +152,12 @@ pub(super) struct WorkerFile {
     /// Height of the seat, m; needed when seated.
     #[schemars(range(min = 0.1, max = 1.2))]
     pub seat_height_m: Option<f64>,
+    /// Height of what the feet of somebody who sits stand on, m; default 0, the floor.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub footrest_m: Option<f64>,
+    /// Whether the pelvis moves as predicted (default; on a seat it only turns), or is fixed.
+    #[serde(default)]
+    pub pelvis: PelvisFile,
     /// A backrest supports the trunk.
     #[schemars(with = "Option<bool>")]
     pub trunk_supported: Option<Spanned<bool>>,
@@ -163,13 +170,11 @@ pub(super) struct WorkerFile {
     /// How the head is held; default in line with the trunk.
     #[serde(default)]
     pub neck: NeckRule,
+    /// What the task needs the eyes on: the head follows as far as they ask; default nothing.
+    pub look_at: Option<LookAt>,
     /// What is known of the arm that does not hold the robot; default unknown, not scored.
     #[serde(default)]
     pub other_arm: OtherArm,
-}
-
-fn right() -> Side {
-    Side::Right
 }
 
 fn shoe() -> f64 {
@@ -178,6 +183,25 @@ fn shoe() -> f64 {
 
 fn sampled() -> PosturePick {
     PosturePick("sampled".to_owned())
+}
+
+/// Whether the pelvis moves.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum PelvisFile {
+    /// As the posture model predicts it.
+    #[default]
+    Predicted,
+    /// It stays upright where it is, on straight legs or on the seat.
+    Fixed,
+}
+
+/// What a task needs the eyes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LookAt {
+    /// The part in the hand.
+    Part,
 }
 
 /// Which posture the worker starts in: "sampled", "mean" or a file name.
@@ -199,11 +223,13 @@ pub(super) enum StanceFile {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum OtherArm {
+    /// As predicted: it hangs under its shoulder, whatever the trunk does.
+    Predicted,
+    /// Hanging at the side, as the scenario says.
+    Hanging,
     /// Nothing: it is not scored.
     #[default]
     Unknown,
-    /// Hanging at the side.
-    Hanging,
 }
 
 /// A pose: position and one of two orientations.
@@ -218,10 +244,28 @@ pub(super) struct PoseFile {
     pub quaternion_wxyz: Option<[f64; 4]>,
 }
 
-/// The hand in the TCP's frame: z along the held bar towards the thumb, y towards the wrist, x out of the palm (right hand).
+/// The hand in the TCP's frame: z along the held bar towards the thumb, y towards the wrist, x out of the palm (right hand). For both hands a table for each: `[grip.right]` and `[grip.left]`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GripFile {
+    /// Origin of the grip in the frame of the TCP, m; default 0, 0, 0.
+    pub position_m: Option<[f64; 3]>,
+    /// Orientation in the frame of the TCP: roll, pitch, yaw about fixed axes, deg.
+    pub rpy_deg: Option<[f64; 3]>,
+    /// Orientation instead of `rpy_deg`; w first, norm 1.
+    pub quaternion_wxyz: Option<[f64; 4]>,
+    /// What the robot prescribes of the hand; needed for one hand.
+    pub hold: Option<Hold>,
+    /// The right hand, where both hold on.
+    pub right: Option<HandGripFile>,
+    /// The left hand, where both hold on.
+    pub left: Option<HandGripFile>,
+}
+
+/// One of two hands in the TCP's frame.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct HandGripFile {
     /// Origin of the grip in the frame of the TCP, m; default 0, 0, 0.
     pub position_m: Option<[f64; 3]>,
     /// Orientation in the frame of the TCP: roll, pitch, yaw about fixed axes, deg.

@@ -3,6 +3,7 @@
 
 use super::check::FacesAway;
 use super::plausible::Doubt;
+use super::worker::Adaptation;
 use serde::{Deserialize, Serialize};
 
 /// Something that is no error.
@@ -26,6 +27,8 @@ pub enum Warning {
         /// Name of the path.
         path: String,
     },
+    /// The posture model is used with other contacts than it was learned with.
+    Adapted(Adaptation),
     /// The worker looks past the task.
     FacesAway(FacesAway),
 }

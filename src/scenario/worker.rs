@@ -1,12 +1,13 @@
 //! Who works, where, and in which posture.
 
-use super::file::{OtherArm, StanceFile, WorkerFile};
+use super::file::{LookAt, OtherArm, PelvisFile, StanceFile, WorkerFile};
 use super::plausible;
 use super::source::Source;
 use crate::files::{InputError, NumericTable};
-use crate::human::{Body, Side, Stance};
-use crate::posture::{PostureModel, StartRule, load_model};
+use crate::human::{Body, Coupled, Hands, PELVIS_JOINTS, Pelvis, Stance, column_of, column_unit};
+use crate::posture::{PostureModel, StartRule, Unsuitable, load_model};
 use crate::survey::NeckRule;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The worker of a scenario.
@@ -14,12 +15,16 @@ use std::path::Path;
 pub struct Worker {
     /// Bodies, the first is the main one.
     pub bodies: Vec<Body>,
-    /// The posture model.
+    /// The posture model, for these hands (or their mirror image) and this pelvis.
     pub model: PostureModel,
     /// SHA-256 of the model's file.
     pub model_sha256: String,
-    /// The coupled side.
-    pub side: Side,
+    /// The hands on the robot.
+    pub hands: Hands,
+    /// How the pelvis takes part.
+    pub pelvis: Pelvis,
+    /// How the model differs from what was learned; `model` is the adapted one.
+    pub adaptations: Vec<Adaptation>,
     /// Standing or seated.
     pub stance: Stance,
     /// Floor point below the pelvis, m.
@@ -36,6 +41,38 @@ pub struct Worker {
     pub neck: NeckRule,
     /// What is known of the other arm.
     pub other_arm: OtherArm,
+}
+
+/// What a posture model had to be changed to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Adaptation {
+    /// Learned with the other hand: mirrored.
+    Mirrored,
+    /// Learned with one hand: the second arm is the mirror image.
+    BothFromOne,
+    /// Learned standing, used on a seat.
+    OnSeat,
+    /// The pelvis is fixed by the scenario.
+    PelvisFixed,
+}
+
+impl Worker {
+    /// Which joints of the worker's body are predicted together.
+    pub fn coupled(&self) -> Coupled {
+        Coupled { hands: self.hands, pelvis: self.pelvis }
+    }
+
+    /// Whether the model is of the other hand, so that the mirror image of the worker moves by it.
+    pub fn is_mirrored(&self) -> bool {
+        self.hands != Hands::Both && self.hands.lead() != self.model.side
+    }
+
+    /// Which joints of the worker, or of the mirror image, the model speaks of.
+    pub fn modelled(&self) -> Coupled {
+        let hands = if self.is_mirrored() { self.model.side.into() } else { self.hands };
+        Coupled { hands, pelvis: self.pelvis }
+    }
 }
 
 pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worker, InputError> {
@@ -55,44 +92,23 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
     let named_model = &file.posture_model;
     let (model, model_sha256) = load_model(named_model.get_ref(), source.folder)
         .map_err(|e| source.named(named_model, "worker.posture_model", e))?;
-    if model.side != file.side {
-        return Err(source
-            .error(
-                named_model,
-                format!(
-                    "posture model `{}` was learned on the {:?} arm, the scenario couples the {:?} hand",
-                    named_model.get_ref(),
-                    model.side,
-                    file.side
-                ),
-            )
-            .remedy("set worker.side, or train a model for this side"));
-    }
-    let stance = match (file.stance, file.seat_height_m) {
-        (StanceFile::Standing, None) => {
-            if !(0.0..=0.3).contains(&file.shoe_m) {
-                let message = format!("worker.shoe_m = {} is outside 0 to 0.3", file.shoe_m);
-                return Err(source.plain(message));
-            }
-            Stance::Standing { shoe_m: file.shoe_m }
-        }
-        (StanceFile::Seated, Some(h)) if (0.1..=1.2).contains(&h) => {
-            Stance::Seated { seat_height_m: h }
-        }
-        (StanceFile::Seated, Some(h)) => {
-            return Err(source.plain(format!("worker.seat_height_m = {h} is outside 0.1 to 1.2")));
-        }
-        (StanceFile::Seated, None) => {
+    let hands = match (file.hands, file.side) {
+        (Some(_), Some(_)) => {
             return Err(source
-                .plain("worker.stance is seated, but worker.seat_height_m is missing")
-                .remedy(
-                    "give the height of the seat in metres, for example seat_height_m = 0.45",
-                ));
+                .plain("worker.hands and worker.side are both given")
+                .remedy("keep worker.hands"));
         }
-        (StanceFile::Standing, Some(_)) => {
+        (Some(hands), None) => hands,
+        (None, side) => side.map_or(Hands::Right, Hands::from),
+    };
+    let stance = stance(source, file)?;
+    let neck = match (file.look_at, file.neck) {
+        (None, neck) => neck,
+        (Some(LookAt::Part), NeckRule::Predicted) => NeckRule::Looking,
+        (Some(LookAt::Part), _) => {
             return Err(source
-                .plain("worker.seat_height_m is given, but worker.stance is standing")
-                .remedy("remove it, or set stance = \"seated\""));
+                .plain("worker.look_at goes with worker.neck = \"predicted\" only")
+                .remedy("keep one of the two keys"));
         }
     };
     let at = file.at_m.get_ref();
@@ -110,29 +126,140 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
     let start_rule = match file.start_posture.0.as_str() {
         "sampled" => StartRule::Sampled,
         "mean" => StartRule::Mean,
-        name => given_posture(source, &bodies, file.side, name)?,
+        name => given_posture(
+            source,
+            &bodies,
+            Coupled { hands, pelvis: taken(&model, file, stance) },
+            name,
+        )?,
     };
+    let (model, adaptations) = adapted(source, named_model, &model, hands, (file, stance))?;
     Ok(Worker {
         bodies,
+        pelvis: model.pelvis(),
         model,
         model_sha256,
-        side: file.side,
+        hands,
+        adaptations,
         stance,
         at_m: *at,
         facing: facing.to_radians(),
         trunk_supported,
         arm_supported: file.arm_supported,
         start_rule,
-        neck: file.neck,
+        neck,
         other_arm: file.other_arm,
     })
 }
 
-/// A start posture from a CSV with one row of joint angles (rad), named as the joints.
+/// How the worker stands or sits.
+fn stance(source: &Source, file: &WorkerFile) -> Result<Stance, InputError> {
+    let stance = match (file.stance, file.seat_height_m) {
+        (StanceFile::Standing, None) => {
+            if !(0.0..=0.3).contains(&file.shoe_m) {
+                let message = format!("worker.shoe_m = {} is outside 0 to 0.3", file.shoe_m);
+                return Err(source.plain(message));
+            }
+            Stance::Standing { shoe_m: file.shoe_m }
+        }
+        (StanceFile::Seated, Some(h)) if (0.1..=1.2).contains(&h) => {
+            let footrest_m = file.footrest_m.unwrap_or(0.0);
+            if !(0.0..h).contains(&footrest_m) {
+                let message =
+                    format!("worker.footrest_m = {footrest_m} is outside 0 to the seat's {h}");
+                return Err(source
+                    .plain(message)
+                    .remedy("give the height of what the feet stand on, in metres"));
+            }
+            Stance::Seated { seat_height_m: h, footrest_m }
+        }
+        (StanceFile::Seated, Some(h)) => {
+            return Err(source.plain(format!("worker.seat_height_m = {h} is outside 0.1 to 1.2")));
+        }
+        (StanceFile::Seated, None) => {
+            return Err(source
+                .plain("worker.stance is seated, but worker.seat_height_m is missing")
+                .remedy(
+                    "give the height of the seat in metres, for example seat_height_m = 0.45",
+                ));
+        }
+        (StanceFile::Standing, Some(_)) => {
+            return Err(source
+                .plain("worker.seat_height_m is given, but worker.stance is standing")
+                .remedy("remove it, or set stance = \"seated\""));
+        }
+    };
+    if let (Some(_), Stance::Standing { .. }) = (file.footrest_m, stance) {
+        return Err(source
+            .plain("worker.footrest_m is given, but worker.stance is standing")
+            .remedy("remove it, or set stance = \"seated\""));
+    }
+    Ok(stance)
+}
+
+/// How the pelvis takes part: as the model knows it, and as seat and scenario let it.
+fn taken(model: &PostureModel, file: &WorkerFile, stance: Stance) -> Pelvis {
+    let most = match (file.pelvis, stance) {
+        (PelvisFile::Fixed, _) => Pelvis::Rests,
+        (PelvisFile::Predicted, Stance::Seated { .. }) => Pelvis::Turns,
+        (PelvisFile::Predicted, Stance::Standing { .. }) => Pelvis::Moves,
+    };
+    if model.pelvis().free() < most.free() { model.pelvis() } else { most }
+}
+
+/// The model for the worker's hands and pelvis, and what that changed.
+fn adapted(
+    source: &Source,
+    named: &toml::Spanned<String>,
+    model: &PostureModel,
+    hands: Hands,
+    (file, stance): (&WorkerFile, Stance),
+) -> Result<(PostureModel, Vec<Adaptation>), InputError> {
+    let pelvis = taken(model, file, stance);
+    let is_both = hands == Hands::Both;
+    let mut all = Vec::new();
+    if !is_both && model.side != hands.lead() {
+        all.push(Adaptation::Mirrored);
+    }
+    if is_both && model.side != hands.lead() {
+        return Err(source
+            .error(
+                named,
+                format!("posture model `{}` was learned with the left hand", named.get_ref()),
+            )
+            .remedy("for both hands use a model of the right hand"));
+    }
+    if is_both {
+        all.push(Adaptation::BothFromOne);
+    }
+    match (model.pelvis(), pelvis) {
+        (Pelvis::Moves, Pelvis::Turns) => all.push(Adaptation::OnSeat),
+        (Pelvis::Moves | Pelvis::Turns, Pelvis::Rests) => all.push(Adaptation::PelvisFixed),
+        _ => {}
+    }
+    let adapted = model.adapted(pelvis, is_both).map_err(|why| {
+        let message = match why {
+            Unsuitable::Method => format!(
+                "posture model `{}` (method {}) can only be used as it was learned: one hand, on its own legs",
+                named.get_ref(),
+                model.method.name()
+            ),
+            Unsuitable::Singular => format!(
+                "posture model `{}` does not say how the rest of the body moves when the pelvis is held",
+                named.get_ref()
+            ),
+        };
+        source.error(named, message).remedy("train a model with the method full-w")
+    })?;
+    Ok((adapted, all))
+}
+
+/// A start posture from a CSV with one row of joint angles (rad), named as the joints; without columns of
+/// the pelvis it is at rest.
 fn given_posture(
     source: &Source,
     bodies: &[Body],
-    side: Side,
+    coupled: Coupled,
     name: &str,
 ) -> Result<StartRule, InputError> {
     if !Path::new(name).extension().is_some_and(|x| x.eq_ignore_ascii_case("csv")) {
@@ -141,14 +268,17 @@ fn given_posture(
             .remedy("use \"sampled\", \"mean\", or the name of a CSV file of joint angles"));
     }
     let table = NumericTable::read(&source.folder.join(name))?;
-    let arm = bodies[0].arm(side)?;
-    let values: Result<Vec<f64>, InputError> = arm
+    let chain = bodies[0].chain(coupled, &[])?;
+    let values: Result<Vec<f64>, InputError> = chain
         .joints()
         .iter()
         .map(|j| {
-            let with_unit = format!("{}_rad", j.name);
+            let with_unit = column_of(&j.name);
             let key = if table.columns.contains(&with_unit) { &with_unit } else { &j.name };
-            Ok(table.rows[0][table.index(key)?])
+            if PELVIS_JOINTS.contains(&j.name.as_str()) && !table.columns.contains(key) {
+                return Ok(0.0);
+            }
+            Ok(table.rows[0][table.index(key)?] / column_unit(&j.name, &bodies[0]))
         })
         .collect();
     Ok(StartRule::Given(values?))

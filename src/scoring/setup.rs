@@ -3,7 +3,7 @@
 use super::motion::{Motion, MotionKind};
 use super::standards::LiftAsked;
 use crate::ergonomics::{Profile, Shown, TaskInputs};
-use crate::human::{Side, Stance};
+use crate::human::{Hands, Side, Stance};
 use crate::scenario::{Origin, OtherArm, Scenario};
 use crate::survey::NeckRule;
 use serde::Serialize;
@@ -65,12 +65,14 @@ impl Declared {
             seated: matches!(w.stance, Stance::Seated { .. }),
             trunk_supported: w.trunk_supported,
             legs_unbalanced: false,
-            neck: Some(match w.neck {
-                NeckRule::Neutral => Neck::Neutral,
-                NeckRule::Gaze => Neck::Gaze,
-            }),
+            neck: match w.neck {
+                NeckRule::Predicted | NeckRule::Looking => None,
+                NeckRule::Neutral => Some(Neck::Neutral),
+                NeckRule::Gaze => Some(Neck::Gaze),
+            },
             lift: None,
-            hanging: (w.other_arm == OtherArm::Hanging).then(|| w.side.other()),
+            hanging: (w.other_arm != OtherArm::Unknown && w.hands != Hands::Both)
+                .then(|| w.hands.lead().other()),
         }
     }
 

@@ -5,7 +5,7 @@ use crate::ergonomics::{
     ArmAngles, BackAngle, BodyPose, TrunkNeckAngles, back_angle, trunk_neck_angles,
 };
 use crate::files::InputError;
-use crate::human::{Body, Segment, Side};
+use crate::human::{Body, Coupled, Segment, Side, Stance};
 use crate::math::{Pose, Rotation, Vec3};
 
 /// Body angles of one posture with both arms. What nobody measured or predicted is `None`.
@@ -79,7 +79,8 @@ pub struct WholeSurveyor {
 impl WholeSurveyor {
     /// For a body.
     pub fn new(body: &Body) -> Result<Self, InputError> {
-        let parts = Measured::new(body, Side::Right, true)?;
+        let standing = Stance::Standing { shoe_m: 0.0 };
+        let parts = Measured::new(body, Coupled::arm(Side::Right), standing, true)?;
         let leg = |side: Side| {
             let of = |part: &str| parts.skeleton.segment(&format!("{}{part}", side.prefix()));
             Ok::<_, InputError>([of("UpperLeg")?, of("LowerLeg")?, of("Foot")?])
@@ -102,6 +103,11 @@ impl WholeSurveyor {
         self.parts.skeleton.dof()
     }
 
+    /// Names of the pelvis' coordinates and the joints, in the order of the columns.
+    pub fn joints(&self) -> impl Iterator<Item = &str> {
+        self.parts.skeleton.joints()
+    }
+
     /// Column of a joint.
     pub fn column(&self, joint: &str) -> Option<usize> {
         self.parts.skeleton.column(joint)
@@ -117,28 +123,29 @@ impl WholeSurveyor {
         self.chain_names[place(side)].iter().map(String::as_str)
     }
 
-    /// Measures a posture: all joint angles (rad) and the pose of the pelvis in the world. Everything
+    /// Measures a posture: all coordinates (rad, leg lengths) and the rest frame in the world. Everything
     /// is filled in; the caller takes out what its angles do not know. `head_in_thorax` replaces the
     /// neck of the body by a measured one.
     pub fn measure(
         &self,
         q: &[f64],
-        pelvis: &Pose,
+        rest: &Pose,
         head_in_thorax: Option<&Rotation>,
     ) -> WholePosture {
         let parts = &self.parts;
         let posed = parts.skeleton.pose(q);
-        let at = |segment: Segment| pelvis * posed.at(segment);
+        let at = |segment: Segment| rest * posed.at(segment);
+        let pelvis = at(parts.pelvis);
         let thorax = at(parts.t8);
         let mut body = BodyPose {
-            pelvis: rotation(pelvis),
+            pelvis: rotation(&pelvis),
             thorax: rotation(&thorax),
             head: rotation(&thorax),
             l5s1: at(parts.l5).translation.vector,
             c7t1: at(parts.neck).translation.vector,
         };
         let neutral = trunk_neck_angles(&body);
-        let arms = parts.arms.map(|a| Some(measure_arm(&posed, pelvis, a, &body)));
+        let arms = parts.arms.map(|a| Some(measure_arm(&posed, rest, a, &body)));
         let wrists = parts.arms.map(|a| at(a.hand).translation.vector);
         let head_at = at(parts.head).translation.vector;
         let seen = wrists.map(|hand| {
@@ -152,7 +159,7 @@ impl WholeSurveyor {
         let knees = self.legs.map(|leg| bend_deg(leg.map(|s| at(s).translation.vector)));
         let ankles = self.legs.map(|leg| at(leg[2]).translation.vector);
         let spine: [Rotation; 5] = [
-            rotation(pelvis),
+            rotation(&pelvis),
             rotation(&at(parts.l5)),
             rotation(&at(self.spine[0])),
             rotation(&at(self.spine[1])),
@@ -198,8 +205,7 @@ impl WholePosture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::human::Stance;
-    use crate::survey::Surveyor;
+    use crate::survey::{HeadDraw, NeckRule, Surveyor};
     use nalgebra::DVector;
     use std::path::Path;
 
@@ -209,7 +215,7 @@ mod tests {
         let surveyor = WholeSurveyor::new(&body).unwrap();
         let pelvis = body.pelvis_pose([1.0, -2.0], 0.7, Stance::Standing { shoe_m: 0.03 });
         let mut q = vec![0.0; surveyor.dof()];
-        assert_eq!(q.len(), 66);
+        assert_eq!(q.len(), 72);
         for (joint, deg) in [
             ("jRightShoulder_Z", 50.0),
             ("jLeftElbow_Z", 70.0),
@@ -236,18 +242,20 @@ mod tests {
     #[test]
     fn the_coupled_arm_measures_as_in_a_plan() {
         let body = Body::load("female_p50", Path::new(".")).unwrap();
-        let stance = Stance::Seated { seat_height_m: 0.45 };
+        let stance = Stance::Seated { seat_height_m: 0.45, footrest_m: 0.0 };
         let pelvis = body.pelvis_pose([0.3, 0.1], -1.0, stance);
         for side in [Side::Right, Side::Left] {
-            let plan = Surveyor::new(&body, side, pelvis, stance).unwrap();
+            let arm = Coupled::arm(side);
+            let plan = Surveyor::new(&body, arm, pelvis, (stance, 0.0)).unwrap();
             let whole = WholeSurveyor::new(&body).unwrap();
             let chain = DVector::from_fn(24, |i, _| 0.1 * ((i * 7 % 11) as f64 - 5.0) / 5.0);
             let mut q = vec![0.0; whole.dof()];
             for (c, v) in whole.chain(side).iter().zip(&chain) {
                 q[*c] = *v;
             }
-            let (a, b) = (plan.measure(&chain), whole.measure(&q, &pelvis, None));
-            assert_eq!(a.neutral, b.neutral);
+            let a = plan.measure(&chain, &HeadDraw::default());
+            let b = whole.measure(&q, &pelvis, None);
+            assert_eq!(*a.trunk_neck(NeckRule::Neutral), b.neutral);
             assert_eq!(a.arm, *b.arm(side).unwrap());
         }
     }

@@ -9,7 +9,7 @@
 
 use super::fit::JointMotion;
 use crate::files::InputError;
-use crate::human::{Body, BodySize, Side};
+use crate::human::{Body, BodySize, Coupled, PELVIS_JOINTS, Pelvis, Side, Stance};
 use crate::kinematics::{Frames, JointLimit, Linkage};
 use crate::math::Pose;
 use crate::posture::{Coupling, Hold, Query};
@@ -131,8 +131,14 @@ impl Dataset {
     /// than two seconds, or nothing moves.
     pub fn new(trials: &[Trial], body: &Body, side: Side) -> Result<Self, InputError> {
         let arm = body.arm(side)?;
-        let body = body.admitting(ranges(trials, &arm));
-        let coupling = Coupling::new(&body, side, Hold::Rigid)?;
+        let width = trials.iter().flat_map(|t| &t.q).map(Vec::len).next();
+        let is_whole = width == Some(arm.dof() + PELVIS_JOINTS.len());
+        let pelvis = if is_whole { Pelvis::Moves } else { Pelvis::Rests };
+        let coupled = Coupled { hands: side.into(), pelvis };
+        let chain = body.chain(coupled, &[])?;
+        let body = body.admitting(ranges(trials, &chain));
+        let standing = (Stance::Standing { shoe_m: 0.0 }, 0.0);
+        let coupling = Coupling::of_person(&body, coupled, &[Hold::Rigid], standing)?;
         let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
         let mut frames = Vec::new();
         for (index, trial) in trials.iter().enumerate() {
@@ -186,7 +192,7 @@ impl Dataset {
                     qdot: DVector::from_column_slice(&row.qdot),
                     xdot: DVector::from_column_slice(&row.xdot),
                     jacobian: seen.jacobian,
-                    hand: seen.pose,
+                    hand: seen.grips.first,
                     trial: row.trial,
                     index: *index - 1,
                     time_s: row.time_s,
@@ -417,7 +423,7 @@ fn thinned(trial: &Trial, index: usize, coupling: &Coupling) -> Vec<Frame> {
                 q,
                 qdot,
                 jacobian: seen.jacobian,
-                hand: seen.pose,
+                hand: seen.grips.first,
                 trial: index,
                 index: k,
                 time_s: i as f64 / trial.rate_hz,

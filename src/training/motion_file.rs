@@ -2,15 +2,18 @@
 //!
 //! ```text
 //! # simulated operator            first line of a file that no person made
-//! trial,time_s,jL5S1_Z_rad,...    `trial` may be left out; one column per joint of the chain, rad
+//! trial,time_s,pelvis_up_m,...,jL5S1_Z_rad,...    `trial` may be left out; one column per joint, rad
 //! ```
+//! The pelvis (displacement from where it is upright, m, and turn, rad) is in all six columns or in none.
 //! Within a trial the time step is uniform. Angles are filtered like those of recordings (6 Hz) and
 //! differentiated; what the filter carries across a limit by a hair is left there.
 
 use super::dataset::Trial;
 use super::fit::FitSettings;
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex, suggest};
-use crate::human::{Body, PostureLimits, Side};
+use crate::human::{
+    Body, Coupled, PELVIS_JOINTS, Pelvis, PostureLimits, Side, column_of, column_unit,
+};
 use crate::math::signal::{differentiate, low_pass_zero_phase};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -54,19 +57,23 @@ fn parse_motion(
     side: Side,
 ) -> Result<MotionFile, InputError> {
     let table = NumericTable::parse(path, bytes)?;
-    let arm = body.arm(side)?;
-    let limits = body.limits(&arm);
-    let joints: Vec<String> = arm.joints().iter().map(|j| j.name.clone()).collect();
+    let has_pelvis = table.columns.iter().any(|c| PELVIS_JOINTS.iter().any(|p| column_of(p) == *c));
+    let pelvis = if has_pelvis { Pelvis::Moves } else { Pelvis::Rests };
+    let chain = body.chain(Coupled { hands: side.into(), pelvis }, &[])?;
+    let limits = body.limits(&chain);
+    let joints: Vec<String> = chain.joints().iter().map(|j| j.name.clone()).collect();
     refuse_unknown(path, &table, &joints)?;
     let time = table.index("time_s")?;
     let columns: Result<Vec<usize>, InputError> =
-        joints.iter().map(|j| table.index(&format!("{j}_rad"))).collect();
+        joints.iter().map(|j| table.index(&column_of(j))).collect();
     let columns = columns?;
+    let units: Vec<f64> = joints.iter().map(|j| column_unit(j, body)).collect();
+    let value = |row: &[f64], i: usize| row[columns[i]] / units[i];
     let trial = table.columns.iter().position(|c| c == "trial");
     let source = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
     for (i, row) in table.rows.iter().enumerate() {
-        let q: Vec<f64> = columns.iter().map(|&c| row[c]).collect();
+        let q: Vec<f64> = (0..columns.len()).map(|c| value(row, c)).collect();
         refuse_outside(path, i, &q, &joints, &limits)?;
         let name = trial.map_or(0.0, |c| row[c]);
         if groups.last().is_none_or(|(current, _)| *current != name) {
@@ -88,8 +95,9 @@ fn parse_motion(
         let times: Vec<f64> = rows.iter().map(|&i| table.rows[i][time]).collect();
         let rate_hz = uniform_rate(path, &times, rows[0])?;
         is_filtered &= FitSettings::default().cutoff_hz < 0.25 * rate_hz;
-        let angles: Vec<Vec<f64>> =
-            columns.iter().map(|&c| rows.iter().map(|&i| table.rows[i][c]).collect()).collect();
+        let angles: Vec<Vec<f64>> = (0..columns.len())
+            .map(|c| rows.iter().map(|&i| value(&table.rows[i], c)).collect())
+            .collect();
         let label = if trial.is_some() { format!("{source} trial {name}") } else { source.clone() };
         trials.push(trial_of(label, rate_hz, &angles));
     }
@@ -104,7 +112,7 @@ fn parse_motion(
 
 fn refuse_unknown(path: &Path, table: &NumericTable, joints: &[String]) -> Result<(), InputError> {
     let known = || {
-        let joints = joints.iter().map(|j| format!("{j}_rad"));
+        let joints = joints.iter().map(|j| column_of(j));
         joints.chain(["trial".to_owned(), "time_s".to_owned()])
     };
     for column in &table.columns {
@@ -187,12 +195,12 @@ pub fn trial_of(source: String, rate_hz: f64, angles: &[Vec<f64>]) -> Trial {
     Trial { source, rate_hz, q: rows(&smooth), qdot: rows(&rates) }
 }
 
-/// The text of a joint-motion file: comment lines, header, rows rounded to 1e-5 (s and rad).
+/// The text of a joint-motion file of a body: comment lines, header, rows rounded to 1e-5 (s, rad, m).
 ///
-/// `trials` holds times (s) and postures (T x n, rad) of each trial.
+/// `trials` holds times (s) and postures (T x n, rad, leg lengths) of each trial.
 pub fn motion_text(
     comments: &[&str],
-    joints: &[String],
+    (joints, body): (&[String], &Body),
     trials: &[(Vec<f64>, Vec<Vec<f64>>)],
 ) -> String {
     let mut text = String::new();
@@ -201,14 +209,14 @@ pub fn motion_text(
     }
     text.push_str("trial,time_s");
     for joint in joints {
-        let _ = write!(text, ",{joint}_rad");
+        let _ = write!(text, ",{}", column_of(joint));
     }
     text.push('\n');
     for (index, (times, postures)) in trials.iter().enumerate() {
         for (time, q) in times.iter().zip(postures) {
             let _ = write!(text, "{},{}", index + 1, short(*time));
-            for value in q {
-                let _ = write!(text, ",{}", short(*value));
+            for (value, joint) in q.iter().zip(joints) {
+                let _ = write!(text, ",{}", short(value * column_unit(joint, body)));
             }
             text.push('\n');
         }
@@ -242,7 +250,7 @@ mod tests {
         };
         let comments: &[&str] =
             if simulated { &["simulated operator", "x"] } else { &["a person"] };
-        let text = motion_text(comments, &names, &[trial(0.0), trial(1.0)]);
+        let text = motion_text(comments, (&names, &body), &[trial(0.0), trial(1.0)]);
         (body, text)
     }
 

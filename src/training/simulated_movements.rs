@@ -1,4 +1,5 @@
-//! Movements of the simulated operator, as many as wanted: reaches within a work volume in front.
+//! Movements of the simulated operator, as many as wanted: reaches within a work volume in front; of a
+//! whole person who stands, from the floor to overhead.
 //!
 //! ```text
 //! draw (seed, index) ─► start and goal ─► straight minimum-jerk hand path, 30 Hz
@@ -10,13 +11,13 @@
 use super::dataset::Trial;
 use super::motion_file::trial_of;
 use crate::files::InputError;
-use crate::human::{Body, Side};
-use crate::math::pose::{interpolate, rotation_from_axes};
+use crate::human::{Body, Coupled, Pelvis, Side, Stance};
+use crate::math::pose::interpolate;
 use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, StartRule, roll_out,
-    simulated_operator, start_postures,
+    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, StartRule, natural_grip, roll_out,
+    simulated_operator, simulated_whole_operator, start_postures,
 };
 use nalgebra::UnitQuaternion;
 use rand::RngExt as _;
@@ -26,9 +27,12 @@ use rayon::prelude::*;
 const RATE_HZ: f64 = 30.0;
 /// Shortest distance from start to goal, m.
 const SHORTEST_M: f64 = 0.25;
-/// Standard deviation of the grip's orientation about each axis, rad: small, because the operator's
-/// posture law knows upright bars only.
-const TILT_RAD: f64 = 0.05;
+/// Standard deviation of the grip's orientation about each axis, rad: of an operator whose pelvis rests
+/// small, because that posture law knows upright bars only.
+const TILT_RAD: [f64; 2] = [0.05, 0.15];
+/// Heights of the hand over the hips, over stature: of a third of all places anything within reach, of the
+/// others those of a bench.
+const HEIGHTS: [[f64; 2]; 2] = [[-0.36, 0.52], [-0.10, 0.28]];
 /// Draws that are made together, and draws without any movement before the workplace counts as out of
 /// reach.
 const BATCH: u32 = 256;
@@ -39,7 +43,7 @@ const MOST_FAILURES: u32 = 2048;
 pub struct Reach {
     /// Time of each sample, T, s.
     pub times_s: Vec<f64>,
-    /// Joint angles of the chain from the pelvis to the grip, T x n, rad.
+    /// Coordinates of pelvis, spine and arm, T x n, leg lengths and rad.
     pub postures: Vec<Vec<f64>>,
 }
 
@@ -67,20 +71,28 @@ pub struct SimulatedMovements {
     coupling: Coupling,
     operator: PostureModel,
     side: Side,
+    is_whole: bool,
     seed: u64,
     next_draw: u32,
     failures: u32,
 }
 
 impl SimulatedMovements {
-    /// The operator in a body, holding a bar with one hand.
+    /// The operator in a body, holding a bar with one hand, on a pelvis that rests or as a whole person.
     ///
     /// # Errors
     /// Where the body has no such arm or cannot reach the workplace.
-    pub fn new(body: &Body, side: Side, seed: u64) -> Result<Self, InputError> {
-        let coupling = Coupling::new(body, side, Hold::Rigid)?;
-        let operator = simulated_operator(body, side)?;
-        Ok(Self { coupling, operator, side, seed, next_draw: 0, failures: 0 })
+    pub fn new(body: &Body, side: Side, is_whole: bool, seed: u64) -> Result<Self, InputError> {
+        let pelvis = if is_whole { Pelvis::Moves } else { Pelvis::Rests };
+        let coupled = Coupled { hands: side.into(), pelvis };
+        let standing = (Stance::Standing { shoe_m: 0.03 }, 0.0);
+        let coupling = Coupling::of_person(body, coupled, &[Hold::Rigid], standing)?;
+        let operator = if is_whole {
+            simulated_whole_operator(body, side)?
+        } else {
+            simulated_operator(body, side)?
+        };
+        Ok(Self { coupling, operator, side, is_whole, seed, next_draw: 0, failures: 0 })
     }
 
     /// Names of the joints, n.
@@ -125,12 +137,15 @@ impl SimulatedMovements {
         let out = if self.side == Side::Right { 1.0 } else { -1.0 };
         let mut hand = || {
             let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
-            let (x, y) = (between(0.18, 0.32), between(-0.08, 0.28));
+            let (x, y) = if self.is_whole {
+                let [low, high] = HEIGHTS[usize::from(between(0.0, 1.0) > 1.0 / 3.0)];
+                (between(0.18, 0.32), between(low, high))
+            } else {
+                (between(0.18, 0.32), between(-0.08, 0.28))
+            };
             let at = Vec3::new(x, y, out * between(-0.06, 0.22)) * h;
-            let tilt = Vec3::from_vec(normals(&mut rng, 3)) * TILT_RAD;
-            // A vertical bar: the thumb up (pelvis y), the wrist behind the grip.
-            let upright = rotation_from_axes(-Vec3::z(), -Vec3::x(), Vec3::y());
-            Pose::from_parts(at.into(), UnitQuaternion::from_scaled_axis(tilt) * upright)
+            let tilt = Vec3::from_vec(normals(&mut rng, 3)) * TILT_RAD[usize::from(self.is_whole)];
+            Pose::from_parts(at.into(), UnitQuaternion::from_scaled_axis(tilt) * natural_grip(y))
         };
         let (from, to) = (hand(), hand());
         if (from.translation.vector - to.translation.vector).norm() < SHORTEST_M {
@@ -146,8 +161,7 @@ impl SimulatedMovements {
             })
             .collect();
         let rule = StartRule::Sampled;
-        let starts =
-            start_postures(coupling, &operator.postures, &rule, &from, (*seed, draw), 0..1);
+        let starts = start_postures(coupling, &operator.postures, &rule, from, (*seed, draw), 0..1);
         let start = starts.first().filter(|s| s.q.is_some() && !s.is_unusual)?;
         let sampler = Sampler::new(&operator.law, Sampling::Pathwise)?;
         let path = HandPath::new(coupling, &operator.law, times.clone(), hands);
@@ -171,7 +185,7 @@ mod tests {
         let body = Body::load("female_p50", Path::new(".")).unwrap();
         let reaches = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let source = SimulatedMovements::new(&body, Side::Right, 3).unwrap();
+            let source = SimulatedMovements::new(&body, Side::Right, false, 3).unwrap();
             pool.install(|| source.first(5).unwrap())
         };
         let (one, three) = (reaches(1), reaches(3));

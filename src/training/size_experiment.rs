@@ -150,7 +150,7 @@ fn movements(
     most: usize,
     told: Told,
 ) -> Result<Option<Split>, InputError> {
-    let mut source = SimulatedMovements::new(body, Side::Right, question.seed)?;
+    let mut source = SimulatedMovements::new(body, Side::Right, false, question.seed)?;
     let (mut test, mut train) = (Vec::new(), Vec::new());
     let (mut tests, mut trains) = (0, 0);
     let total = question.test_frames + most;

@@ -1,6 +1,6 @@
 //! Inputs of the scores, changes of the cell and postures to look at.
 
-use crate::human::Side;
+use crate::human::Hands;
 use crate::planner::{Alternative, CellChange, MomentKind, ScoreInput, Way};
 use crate::scenario::{Origin, OtherArm};
 use crate::survey::NeckRule;
@@ -8,6 +8,8 @@ use crate::survey::NeckRule;
 /// How the head is held.
 fn neck(rule: NeckRule) -> &'static str {
     match rule {
+        NeckRule::Predicted => "the head as recorded people hold it, given trunk and hand",
+        NeckRule::Looking => "the head turned as far as the eyes need to see the part",
         NeckRule::Neutral => "the head in line with the trunk",
         NeckRule::Gaze => "the head turned to the hand",
     }
@@ -21,17 +23,23 @@ fn coupling(class: u8) -> &'static str {
 /// Name and value of an input.
 pub fn input(i: &ScoreInput) -> (&'static str, String) {
     let (name, value) = match i {
-        ScoreInput::ArmAndTrunk(Side::Right) => {
+        ScoreInput::ArmAndTrunk(Hands::Right) => {
             ("right arm, shoulder girdle, trunk", "posture model")
         }
-        ScoreInput::ArmAndTrunk(Side::Left) => {
+        ScoreInput::ArmAndTrunk(Hands::Left) => {
             ("left arm, shoulder girdle, trunk", "posture model")
         }
+        ScoreInput::ArmAndTrunk(Hands::Both) => {
+            ("both arms, shoulder girdles, trunk", "posture model")
+        }
+        ScoreInput::Legs(true) => ("pelvis and legs", "posture model, on feet that stay"),
+        ScoreInput::Legs(false) => ("pelvis and legs", "at rest, knees straight"),
+        ScoreInput::OtherArm(OtherArm::Predicted) => ("other arm", "hangs under its shoulder"),
         ScoreInput::OtherArm(OtherArm::Unknown) => ("other arm", "not scored"),
         ScoreInput::OtherArm(OtherArm::Hanging) => ("other arm", "hanging"),
         ScoreInput::Neck(rule) => ("neck", neck(*rule)),
-        ScoreInput::Seated(true) => ("legs", "seated, feet supported"),
-        ScoreInput::Seated(false) => ("legs", "standing on both, knees straight"),
+        ScoreInput::Seated(true) => ("support", "seated, feet supported"),
+        ScoreInput::Seated(false) => ("support", "standing on both feet"),
         ScoreInput::ArmSupported(true) => ("arm support", "supported"),
         ScoreInput::ArmSupported(false) => ("arm support", "none"),
         ScoreInput::Load([load, part, share, extra]) => {

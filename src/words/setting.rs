@@ -1,9 +1,9 @@
 //! The cell, the worker and the posture model, and what is not modelled.
 
-use crate::human::Stance;
+use crate::human::{Hands, Stance};
 use crate::planner::{BodyFacts, ModelSummary, NotModelled, Setting, StartKind, WorkerFacts};
 use crate::posture::Hold;
-use crate::scenario::{EndMismatch, Warning};
+use crate::scenario::{Adaptation, EndMismatch, Warning};
 
 /// A body with its size.
 pub fn body(b: &BodyFacts) -> String {
@@ -24,7 +24,12 @@ pub fn bodies(s: &Setting) -> Vec<String> {
 pub fn worker(w: &WorkerFacts) -> Vec<String> {
     let stance = match w.stance {
         Stance::Standing { shoe_m } => format!("standing, shoe soles {shoe_m} m thick"),
-        Stance::Seated { seat_height_m } => format!("seated, seat height {seat_height_m} m"),
+        Stance::Seated { seat_height_m, footrest_m: 0.0 } => {
+            format!("seated, seat height {seat_height_m} m")
+        }
+        Stance::Seated { seat_height_m, footrest_m } => {
+            format!("seated, seat height {seat_height_m} m, feet on a rest at {footrest_m} m")
+        }
     };
     let hold = match w.hold {
         Hold::Rigid => "the robot prescribes the position and orientation of the hand",
@@ -37,9 +42,13 @@ pub fn worker(w: &WorkerFacts) -> Vec<String> {
         StartKind::Given => "start posture: as given, moved to the start pose",
     };
     vec![
-        format!("{} hand on the robot, {stance}", w.side.prefix().to_lowercase()),
+        format!("{} on the robot, {stance}", hands(w.hands)),
         format!(
-            "pelvis above ({}, {}) m, facing {:.0} deg",
+            "{} ({}, {}) m, facing {:.0} deg",
+            match (w.stance, w.pelvis_moves) {
+                (Stance::Standing { .. }, true) => "feet planted on either side of",
+                _ => "pelvis above",
+            },
             w.at_m[0],
             w.at_m[1],
             w.facing.to_degrees()
@@ -47,9 +56,18 @@ pub fn worker(w: &WorkerFacts) -> Vec<String> {
         hold.to_owned(),
         start.to_owned(),
         "assumed for the distance to the robot: limbs as thick as cylinders of their mass, a trunk 0.7 times as \
-         deep as it is wide, the other arm hanging"
+         deep as it is wide"
             .to_owned(),
     ]
+}
+
+/// Which hands hold on to the robot.
+pub fn hands(hands: Hands) -> &'static str {
+    match hands {
+        Hands::Right => "right hand",
+        Hands::Left => "left hand",
+        Hands::Both => "both hands",
+    }
 }
 
 /// On which body a posture model was learned, and to which it is applied.
@@ -63,6 +81,9 @@ pub fn not_modelled(n: NotModelled) -> &'static str {
     match n {
         NotModelled::Legs => {
             "pelvis and legs: the pelvis stays where it is; steps and bending knees are not predicted"
+        }
+        NotModelled::Steps => {
+            "steps: the feet stay where they are, an assumption of the cell; free people step for low and far places"
         }
         NotModelled::Forces => {
             "forces: only the load in kilograms enters the scores; no dynamics of the body or the robot"
@@ -99,6 +120,19 @@ pub fn warning(w: &Warning) -> String {
              to people and things may differ from those under your controller; columns with the robot's \
              joints would fix them"
         ),
+        Warning::Adapted(Adaptation::Mirrored) => {
+            "the posture model was learned with the other hand: its mirror image is used".to_owned()
+        }
+        Warning::Adapted(Adaptation::BothFromOne) => {
+            "the posture model was learned with one hand: the second arm moves as the mirror image of the first"
+                .to_owned()
+        }
+        Warning::Adapted(Adaptation::OnSeat) => {
+            "the posture model was learned standing: on the seat its pelvis only turns".to_owned()
+        }
+        Warning::Adapted(Adaptation::PelvisFixed) => {
+            "the pelvis is fixed, as the scenario says: the rest of the body is predicted given that".to_owned()
+        }
         Warning::FacesAway(away) => format!(
             "the worker faces {:.0} deg away from the middle of the task; worker.facing_deg = {:.0} would \
              face it",

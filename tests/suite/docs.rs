@@ -8,11 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Headings of `docs/scenarios.md` and the parts of the schema that their tables hold.
-const SCENARIO_TABLES: [(&str, &str); 13] = [
+const SCENARIO_TABLES: [(&str, &str); 14] = [
     ("The top of the file", ""),
     ("Poses", "PoseFile"),
     ("`[worker]`", "WorkerFile"),
     ("`[grip]`", "GripFile"),
+    ("`[grip.right]` and `[grip.left]`", "HandGripFile"),
     ("`[robot]`", "RobotFile"),
     ("`[[robot.limit]]`", "JointLimitFile"),
     ("`[motion]`", "MotionFile"),

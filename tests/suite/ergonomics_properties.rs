@@ -4,8 +4,9 @@ use ergopath::ergonomics::{
     ArmAngles, Profile, TaskInputs, TrunkNeckAngles, Worksheet, drivers, reba, rula,
     worksheet as fill_in,
 };
-use ergopath::human::{Body, Side, Stance};
-use ergopath::survey::{Lens, NeckRule, Surveyor};
+use ergopath::human::{Body, Pelvis, Side, Stance, mirror_sign};
+use ergopath::math::stream::{Purpose, stream};
+use ergopath::survey::{HeadDraw, Lens, NeckRule, PostureAngles, Surveyor};
 use nalgebra::DVector;
 use proptest::prelude::*;
 use std::path::Path;
@@ -169,35 +170,41 @@ proptest! {
             limits.len(),
             limits.iter().zip(u).map(|((_, low, high), u)| low + u * (high - low)),
         );
-        // ISB axes: rotations about x and y change sign in a mirror, about z they do not.
-        let sign = |name: &str| if name.ends_with("_Z") { 1.0 } else { -1.0 };
-        let signs = DVector::from_iterator(q.len(), limits.iter().map(|(name, _, _)| sign(name)));
-        let mirrored = q.component_mul(&signs);
-        for neck in [NeckRule::Neutral, NeckRule::Gaze] {
+        let signs = limits.iter().map(|(name, _, _)| mirror_sign(name));
+        let mirrored = q.component_mul(&DVector::from_iterator(q.len(), signs));
+        let draw = |side: Side| HeadDraw::mean(Some(side)).drawn(&mut stream(1, Purpose::Posture, 0, 0));
+        let (own, other) = (draw(Side::Right), draw(Side::Left));
+        for neck in [NeckRule::Predicted, NeckRule::Looking, NeckRule::Neutral, NeckRule::Gaze] {
             let task = TaskInputs { load_kg: 3.0, ..TaskInputs::default() };
-            let lens = Lens { task, neck, profile: Profile::default() };
-            let (a, b) = (right.measure(&q), left.measure(&mirrored));
+            let lens = Lens { task, neck, both_hands: false, profile: Profile::default() };
+            let (a, b) = (right.measure(&q, &own), left.measure(&mirrored, &other));
             for (ours, theirs) in angles_of(&a.arm).iter().zip(angles_of(&b.arm)) {
                 prop_assert!((ours - theirs).abs() < 1e-9, "{:?} {:?}", a.arm, b.arm);
             }
-            prop_assert!((a.gaze.neck_twist_deg + b.gaze.neck_twist_deg).abs() < 1e-9);
+            let twist = |x: &PostureAngles| x.trunk_neck(neck).neck_twist_deg;
+            prop_assert!((twist(&a) + twist(&b)).abs() < 1e-6);
+            prop_assert!((a.l5s1_nm - b.l5s1_nm).abs() < 1e-9);
+            for i in 0..2 {
+                prop_assert!((a.legs.knees_deg[i] - b.legs.knees_deg[1 - i]).abs() < 1e-6);
+            }
             prop_assert_eq!(a.score(&lens), b.score(&lens));
         }
     }
 }
 
 /// A surveyor with the names and limits (rad) of its coupled joints.
-type Coupled = (Surveyor, Vec<(String, f64, f64)>);
+type Measuring = (Surveyor, Vec<(String, f64, f64)>);
 
 /// A body coupled by its right and by its left hand.
-static SURVEYORS: LazyLock<[Coupled; 2]> = LazyLock::new(|| {
+static SURVEYORS: LazyLock<[Measuring; 2]> = LazyLock::new(|| {
     let body = Body::load("male_p50", Path::new(".")).unwrap();
     let stance = Stance::Standing { shoe_m: 0.03 };
     [Side::Right, Side::Left].map(|side| {
         let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
-        let chain = body.arm(side).unwrap();
+        let coupled = ergopath::human::Coupled { hands: side.into(), pelvis: Pelvis::Moves };
+        let chain = body.chain(coupled, &[]).unwrap();
         let joints = chain.joints().iter().map(|j| (j.name.clone(), j.lower, j.upper)).collect();
-        (Surveyor::new(&body, side, pelvis, stance).unwrap(), joints)
+        (Surveyor::new(&body, coupled, pelvis, (stance, 3.0)).unwrap(), joints)
     })
 });
 

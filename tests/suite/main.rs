@@ -40,3 +40,4 @@ mod shipped;
 mod train_cli;
 mod train_real;
 mod verdict;
+mod whole_worker;

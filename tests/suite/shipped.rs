@@ -54,3 +54,16 @@ fn the_kept_example_is_what_the_command_makes() {
         assert!((a - b).abs() < 0.02, "{}: expected RULA {a} became {b}", old["id"]);
     }
 }
+
+#[test]
+fn shipped_models_are_of_the_shipped_movements() {
+    for (model, movements) in
+        [("demo_operator", "simulated_operator"), ("whole_operator", "whole_operator")]
+    {
+        let (model, _) = ergopath::posture::load_model(model, Path::new(".")).unwrap();
+        let file = project(&format!("scenarios/demonstrations/{movements}.csv"));
+        let sha256 = ergopath::files::sha256_hex(&std::fs::read(file).unwrap());
+        assert_eq!(model.provenance.recordings, [(format!("{movements}.csv"), sha256)]);
+        assert!(model.provenance.simulated);
+    }
+}

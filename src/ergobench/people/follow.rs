@@ -145,7 +145,7 @@ impl<'a> Walk<'a> {
 
     fn step(&mut self, target: &Pose, wish: &DVector<f64>) -> Option<()> {
         let seen = self.coupling.observe(&self.q, &mut self.frames);
-        let error = self.coupling.task_error(&seen.pose, target);
+        let error = self.coupling.task_error(&seen.grips, &target.into());
         let limits = self.coupling.limits();
         let change = self.solver.solve(&self.q, &seen.jacobian, &error, wish, limits, 1.0).ok()?;
         if change.amax() > LARGEST_JOINT_STEP {
@@ -158,17 +158,17 @@ impl<'a> Walk<'a> {
     /// Newton corrections at the end of a leg; what is left of the hand's error, m.
     fn correct(&mut self, to: &Pose) -> Option<f64> {
         let still = DVector::zeros(self.q.len());
-        let linear = self.coupling.hold().linear_rows();
+        let linear = self.coupling.linear_rows();
         for _ in 0..CORRECTIONS {
             let seen = self.coupling.observe(&self.q, &mut self.frames);
-            let error = self.coupling.task_error(&seen.pose, to);
+            let error = self.coupling.task_error(&seen.grips, &to.into());
             if error.amax() <= CORRECT_BEYOND_M {
                 return Some(error.rows(0, linear).norm());
             }
             self.step(to, &still)?;
         }
         let seen = self.coupling.observe(&self.q, &mut self.frames);
-        let left = self.coupling.task_error(&seen.pose, to).rows(0, linear).norm();
+        let left = self.coupling.task_error(&seen.grips, &to.into()).rows(0, linear).norm();
         (left <= LOST_BEYOND_M).then_some(left)
     }
 }

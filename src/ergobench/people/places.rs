@@ -48,7 +48,7 @@ impl Places {
                     let near = PostureDistribution { mean: wish, covariance: ease.clone() };
                     let hand = Pose::from_parts((at * stature_m).into(), *grip);
                     let starts =
-                        start_postures(coupling, &near, &StartRule::Mean, &hand, (0, 0), 0..1);
+                        start_postures(coupling, &near, &StartRule::Mean, hand, (0, 0), 0..1);
                     found.push((at, starts.into_iter().next().and_then(|s| s.q)));
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::{Motion, MotionKind, Track};
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex, suggest};
-use crate::human::{Body, Side, Stance};
+use crate::human::{Body, Side, Stance, column_of, column_unit};
 use crate::math::Pose;
 use crate::scenario::Origin;
 use crate::survey::{WholePosture, WholeSurveyor};
@@ -32,7 +32,7 @@ pub fn read_angles(
     let bytes = read_bytes(path)?;
     let table = NumericTable::parse(path, &bytes)?;
     let surveyor = WholeSurveyor::new(body)?;
-    let columns = Columns::find(path, &table, &surveyor)?;
+    let columns = Columns::find(path, &table, (&surveyor, body))?;
     let pelvis = body.pelvis_pose([0.0, 0.0], 0.0, stance);
     let kind = if columns.rollout { MotionKind::Rollouts } else { MotionKind::JointAngles };
     let mut tracks: Vec<Track> = Vec::new();
@@ -110,6 +110,8 @@ struct Columns {
     rollout: bool,
     /// Column of the table and of the body.
     joints: Vec<(usize, usize)>,
+    /// Metres or radians of a coordinate of one, by columns of the body.
+    units: Vec<f64>,
     arms: [bool; 2],
     has_neck: bool,
     has_knees: bool,
@@ -119,7 +121,7 @@ impl Columns {
     fn find(
         path: &Path,
         table: &NumericTable,
-        surveyor: &WholeSurveyor,
+        (surveyor, body): (&WholeSurveyor, &Body),
     ) -> Result<Self, InputError> {
         let time = table.index("time_s")?;
         let place = |name: &str| table.columns.iter().position(|c| c == name);
@@ -130,7 +132,7 @@ impl Columns {
             if i == time || ["trial", "rollout"].contains(&name.as_str()) {
                 continue;
             }
-            let joint = name.strip_suffix("_rad").and_then(|j| surveyor.column(j));
+            let joint = surveyor.joints().position(|j| column_of(j) == *name);
             joints.push((i, joint.ok_or_else(|| unknown(path, name, surveyor))?));
         }
         let has = |c: usize| joints.iter().any(|(_, j)| *j == c);
@@ -148,13 +150,14 @@ impl Columns {
             has_neck: axes("jT1C7") && axes("jC1Head"),
             has_knees: has_joint("jRightKnee_Z") && has_joint("jLeftKnee_Z"),
             joints,
+            units: surveyor.joints().map(|j| column_unit(j, body)).collect(),
         })
     }
 
     fn posture(&self, row: &[f64], surveyor: &WholeSurveyor, pelvis: &Pose) -> WholePosture {
         let mut q = vec![0.0; surveyor.dof()];
         for (from, to) in &self.joints {
-            q[*to] = row[*from];
+            q[*to] = row[*from] / self.units[*to];
         }
         let mut posture = surveyor.measure(&q, pelvis, None);
         for (arm, known) in posture.arms.iter_mut().zip(self.arms) {

@@ -1,0 +1,565 @@
+//! Legs of a person whose feet stay where they are: hip, knee and ankle follow from the pelvis.
+//!
+//! A planted foot leaves a leg with six joints (hip 3, knee 1, ankle 2) as many constraints, so that
+//! the pelvis alone decides its posture, in closed form. With `r` the hip seen from the ankle in the axes
+//! of the foot, `d = |r|`, thigh `a` and shank `s`:
+//!
+//! ```text
+//! knee     cos k = (d^2 - a^2 - s^2) / (2 a s)             law of cosines; k flexion
+//! ankle X  tan b = -r_z / r_y                               the shank's plane holds the hip
+//! ankle Z  t = atan2(r_x, |r_yz|) + atan2(a sin k, s + a cos k)
+//! hip      Z, X, Y of  R_pelvis^T R_foot R_x(-b) R_z(k - t)
+//! ```
+//! Where the ankle would be bent beyond its range, the heel rises about the ball of the foot, as little as
+//! is needed.
+
+use super::body::{Body, Stance};
+use super::pelvis::PELVIS;
+use super::side::Side;
+use crate::files::InputError;
+use crate::kinematics::{Frames, Linkage, Tip};
+use crate::math::pose::zxy;
+use crate::math::{Pose, Vec3};
+use nalgebra::{Matrix3, Matrix6, Vector6};
+
+/// Feet of an upright body point outward by this, rad (assumed).
+const TOE_OUT: f64 = 7.0 * std::f64::consts::PI / 180.0;
+/// Part of the length between heel and ankle, and between heel and ball, over the foot's (as bodies are
+/// made), and half the breadth of the sole at the ball over the foot's length (ANSUR II).
+const HEEL_TO_ANKLE: f64 = 0.25;
+const HEEL_TO_BALL: f64 = 0.72;
+const HALF_BREADTH: f64 = 0.19;
+/// Offsets that count as a straight leg, m.
+const STRAIGHT_M: f64 = 1e-4;
+/// How far feet may be above what they stand on before they hang, m: shoes and a raised heel.
+const HANG_M: f64 = 0.06;
+/// Sole of a shoe on a foot that hangs, m (assumed).
+const SHOE_M: f64 = 0.03;
+/// Knee flexion below which a leg counts as straight, rad.
+const STRAIGHT_RAD: f64 = 0.1;
+/// What is added to the squares of a straight leg's Jacobian (m and rad).
+const STRAIGHT_DAMPING: f64 = 1e-5;
+/// Excess of a leg that counts as none, m or rad, and most tries for the heel's rise.
+const SETTLED: f64 = 1e-7;
+const MOST_TRIES: usize = 40;
+
+/// Angles of one leg, rad.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LegPosture {
+    /// Hip about Z (flexion), X and Y.
+    pub hip: [f64; 3],
+    /// Knee about Z: flexion is negative.
+    pub knee: f64,
+    /// Ankle about Z (to the shin) and X.
+    pub ankle: [f64; 2],
+    /// How far the heel is raised about the ball of the foot.
+    pub heel: f64,
+    /// By how much the leg is too short to reach its foot, m; 0 where it does.
+    pub short_m: f64,
+}
+
+/// One leg on its foot.
+#[derive(Debug, Clone, PartialEq)]
+struct Leg {
+    /// Hip in the pelvis frame, m.
+    hip: Vec3,
+    thigh_m: f64,
+    shank_m: f64,
+    /// Ankle in the rest frame with the foot flat, and the foot's axes there.
+    ankle: Vec3,
+    foot: Matrix3<f64>,
+    /// From the ankle to the ball, in the foot's axes, m.
+    ball: Vec3,
+    /// Ranges of hip Z, X, Y, knee, ankle Z, X and of the heel, rad.
+    ranges: [(f64, f64); 7],
+}
+
+/// Both legs of a body on planted feet, right first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Legs {
+    sides: [Leg; 2],
+    foot_m: f64,
+    /// Ankles above the soles, m.
+    sole_m: f64,
+    /// Feet of somebody who sits that do not reach the floor.
+    hang: bool,
+    is_standing: bool,
+}
+
+/// Where a shoe is around the ankle of a flat foot (x forward, y up), m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shoe {
+    /// Back of the heel.
+    pub heel_m: f64,
+    /// The ball's joint.
+    pub ball: Vec3,
+    /// Tip of the toes.
+    pub toe_m: f64,
+    /// Ankle above the sole.
+    pub sole_m: f64,
+}
+
+/// A linear bound on the pelvis' six coordinates: `lower <= at + coefficients . change <= upper`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PelvisRow {
+    /// For each coordinate.
+    pub coefficients: [f64; 6],
+    /// Value now, m or rad.
+    pub at: f64,
+    /// Lower bound.
+    pub lower: f64,
+    /// Upper bound.
+    pub upper: f64,
+}
+
+/// Both legs of one posture, right first.
+#[derive(Debug, Clone)]
+pub struct Bending([Bent; 2]);
+
+/// Where a leg is between its ground and its pelvis.
+#[derive(Debug, Clone)]
+struct Bent {
+    posture: LegPosture,
+    /// Axes of foot, shank and thigh in the rest frame.
+    foot: Matrix3<f64>,
+    shank: Matrix3<f64>,
+    thigh: Matrix3<f64>,
+    ankle: Vec3,
+    knee: Vec3,
+    hip: Vec3,
+}
+
+impl Legs {
+    /// For a body that stands with its feet under its hips in the upright posture, toes a little out, or
+    /// sits with its shanks upright.
+    ///
+    /// # Errors
+    /// Where the body's legs are no straight columns at zero angles, as those of made bodies are.
+    pub fn new(body: &Body, stance: Stance) -> Result<Self, InputError> {
+        let mut legs = [Leg::new(body, Side::Right)?, Leg::new(body, Side::Left)?];
+        let foot_m = legs[0].ball.x / (HEEL_TO_BALL - HEEL_TO_ANKLE);
+        let mut hang = false;
+        let bare_m = body.standing_pelvis_height_m + legs[0].ankle.y;
+        let mut sole_m = match stance {
+            Stance::Standing { shoe_m } => bare_m + shoe_m,
+            Stance::Seated { .. } => bare_m,
+        };
+        if let Stance::Seated { seat_height_m, footrest_m } = stance {
+            let hips_m = seat_height_m + body.seat_to_hip_m - footrest_m;
+            for leg in &mut legs {
+                let ankle_m = body.standing_pelvis_height_m - leg.longest_m();
+                // Thighs level on the seat: feet that do not get down to the floor hang.
+                let down = hips_m - ankle_m;
+                let gap_m = (down - leg.shank_m).max(0.0);
+                hang |= gap_m > HANG_M;
+                sole_m = bare_m + if hang { SHOE_M } else { gap_m };
+                leg.ankle = leg.hip + Vec3::new(leg.thigh_m, -down.min(leg.shank_m), 0.0);
+            }
+        }
+        Ok(Self {
+            sides: legs,
+            foot_m,
+            sole_m,
+            hang,
+            is_standing: matches!(stance, Stance::Standing { .. }),
+        })
+    }
+
+    /// Whether the feet of somebody who sits do not reach what they should stand on.
+    pub fn hang(&self) -> bool {
+        self.hang
+    }
+
+    /// Whether the feet carry the body.
+    pub fn is_standing(&self) -> bool {
+        self.is_standing
+    }
+
+    /// Both legs for a pelvis in the rest frame, right first.
+    pub fn postures(&self, pelvis: &Pose) -> [LegPosture; 2] {
+        let turn = *pelvis.rotation.to_rotation_matrix().matrix();
+        let Bending(legs) = self.bending(&pelvis.translation.vector, &turn);
+        legs.map(|b| b.posture)
+    }
+
+    /// The same for place and axes of the pelvis, for what else follows.
+    pub fn bending(&self, at: &Vec3, turn: &Matrix3<f64>) -> Bending {
+        Bending([0, 1].map(|i| self.sides[i].solve(at, turn)))
+    }
+
+    /// Hip, knee, ankle and ball of each leg in the rest frame, m; right first.
+    pub(super) fn centres(&self, bending: &Bending) -> [[Vec3; 4]; 2] {
+        [0, 1].map(|i| {
+            let b = &bending.0[i];
+            [b.hip, b.knee, b.ankle, b.ankle + b.foot * self.sides[i].ball]
+        })
+    }
+
+    /// Where flat feet may carry: corners of the soles in the rest frame (x forward, z right), m.
+    pub fn soles(&self) -> Vec<[f64; 2]> {
+        let half = HALF_BREADTH * self.foot_m;
+        let ahead = |share: f64| (share - HEEL_TO_ANKLE) * self.foot_m;
+        let corners = [
+            (ahead(0.0), -0.6 * half),
+            (ahead(0.0), 0.6 * half),
+            (ahead(HEEL_TO_BALL), -half),
+            (ahead(HEEL_TO_BALL), half),
+            (ahead(1.0), -0.5 * half),
+            (ahead(1.0), 0.5 * half),
+        ];
+        let of = |leg: &Leg| {
+            corners.map(|(x, z)| {
+                let at = leg.ankle + leg.foot * Vec3::new(x, 0.0, z);
+                [at.x, at.z]
+            })
+        };
+        self.sides.iter().flat_map(of).collect()
+    }
+
+    /// How far back heels and ankles are in the rest frame, m.
+    pub fn heels_and_ankles_m(&self) -> [f64; 2] {
+        let ankle = self.sides[0].ankle.x;
+        [ankle - HEEL_TO_ANKLE * self.foot_m, ankle]
+    }
+
+    /// The shoes.
+    pub(super) fn shoe(&self) -> Shoe {
+        let ball = self.sides[0].ball;
+        let ahead = |share: f64| (share - HEEL_TO_ANKLE) * self.foot_m;
+        Shoe { heel_m: ahead(0.0), ball, toe_m: ahead(1.0), sole_m: self.sole_m }
+    }
+
+    /// Ankles with the feet flat, rest frame, m; right first.
+    pub fn ankles(&self) -> [Vec3; 2] {
+        [self.sides[0].ankle, self.sides[1].ankle]
+    }
+
+    /// Bounds on the pelvis' coordinates that the legs set within `near` (m or rad) of now; `columns`: twist
+    /// of the pelvis (m, rad; of its origin, rest axes) by each coordinate. Nobody goes on tiptoe to reach
+    /// higher: a straight leg ends with the foot flat.
+    pub fn rows(
+        &self,
+        (at, bending): (&Vec3, &Bending),
+        columns: &Matrix6<f64>,
+        near: f64,
+        rows: &mut Vec<PelvisRow>,
+    ) {
+        for (leg, bent) in self.sides.iter().zip(&bending.0) {
+            leg.rows((at, bent), columns, near, rows);
+        }
+    }
+
+    /// Rise of the lower heel, rad.
+    pub fn heel(bending: &Bending) -> f64 {
+        bending.0.iter().map(|b| b.posture.heel).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Largest violation of any range by the legs at a pelvis, m or rad; 0 where all are kept.
+    pub fn violation(&self, pelvis: &Pose) -> f64 {
+        let postures = self.postures(pelvis);
+        let of = |(leg, p): (&Leg, &LegPosture)| {
+            let angles = p.all();
+            let over = angles.iter().zip(&leg.ranges).map(|(v, (lo, hi))| (lo - v).max(v - hi));
+            over.fold(p.short_m, f64::max)
+        };
+        self.sides.iter().zip(&postures).map(of).fold(0.0, f64::max)
+    }
+}
+
+impl LegPosture {
+    /// Hip Z, X, Y, knee, ankle Z, X and heel, rad.
+    fn all(&self) -> [f64; 7] {
+        let [z, x, y] = self.hip;
+        [z, x, y, self.knee, self.ankle[0], self.ankle[1], self.heel]
+    }
+}
+
+/// Place of an ankle and axes of its foot, rest frame.
+type Footing = (Vec3, Matrix3<f64>);
+
+impl Leg {
+    /// With the foot under the hip.
+    fn new(body: &Body, side: Side) -> Result<Self, InputError> {
+        let names = ["UpperLeg", "LowerLeg", "Foot", "Toe"];
+        let tips = names.map(|n| Tip::link(&format!("{}{n}", side.prefix())));
+        let chain = Linkage::new(&body.model, PELVIS, &tips)
+            .map_err(|e| InputError::new(&body.name, format!("is no ergopath body: {e}")))?;
+        let mut frames = Frames::default();
+        chain.forward(&vec![0.0; chain.dof()], &mut frames);
+        let [hip, knee, ankle, ball] = [0, 1, 2, 3].map(|i| chain.tip_frame(&frames, i).0);
+        let (thigh, shank) = (knee - hip, ankle - knee);
+        let is_column = |v: &Vec3| v.y < 0.0 && v.x.abs().max(v.z.abs()) < STRAIGHT_M;
+        if !is_column(&thigh) || !is_column(&shank) {
+            let message = "has legs that are not straight at zero angles";
+            return Err(
+                InputError::new(&body.name, message).remedy("make the body with `ergopath body`")
+            );
+        }
+        let range = |joint: &str| {
+            let name = format!("j{}{joint}", side.prefix());
+            let found = chain.joints().iter().find(|j| j.name == name);
+            found.map_or((0.0, 0.0), |j| (j.lower, j.upper))
+        };
+        let joints = ["Hip_Z", "Hip_X", "Hip_Y", "Knee_Z", "Ankle_Z", "Ankle_X", "BallFoot_Z"];
+        let mut ranges = joints.map(range);
+        // A heel does not sink into the floor.
+        ranges[6].0 = 0.0;
+        Ok(Self {
+            hip,
+            thigh_m: -thigh.y,
+            shank_m: -shank.y,
+            ankle,
+            foot: about_y(if side == Side::Right { -TOE_OUT } else { TOE_OUT }),
+            ball: ball - ankle,
+            ranges,
+        })
+    }
+
+    fn longest_m(&self) -> f64 {
+        self.thigh_m + self.shank_m
+    }
+
+    /// With the heel raised by `heel` about the ball.
+    fn on(&self, heel: f64) -> Footing {
+        if heel == 0.0 {
+            return (self.ankle, self.foot);
+        }
+        let foot = self.foot * about_z(-heel);
+        (self.ankle + self.foot * self.ball - foot * self.ball, foot)
+    }
+
+    /// By how much the ankle would be bent too far to the shin on a foot, rad.
+    fn excess(&self, hip: &Vec3, (ankle, foot): &Footing) -> f64 {
+        let r = foot.tr_mul(&(hip - ankle));
+        let d = r.norm();
+        r.x.atan2(r.y.hypot(r.z)) + self.gamma(self.flexion(d)) - self.ranges[4].1
+    }
+
+    fn flexion(&self, d: f64) -> f64 {
+        let (a, s) = (self.thigh_m, self.shank_m);
+        ((d * d - a * a - s * s) / (2.0 * a * s)).clamp(-1.0, 1.0).acos()
+    }
+
+    fn gamma(&self, flexion: f64) -> f64 {
+        (self.thigh_m * flexion.sin()).atan2(self.shank_m + self.thigh_m * flexion.cos())
+    }
+
+    /// The least rise of the heel with which the ankle stays within its range.
+    fn heel(&self, hip: &Vec3) -> f64 {
+        if self.excess(hip, &(self.ankle, self.foot)) <= SETTLED {
+            return 0.0;
+        }
+        let beyond = |heel: f64| self.excess(hip, &self.on(heel));
+        let (mut low, mut high) = (0.0, self.ranges[6].1);
+        let (mut at_low, mut at_high) = (beyond(low), beyond(high));
+        if at_high > 0.0 {
+            return high;
+        }
+        // Regula falsi (Illinois): the excess falls steadily as the heel rises.
+        for _ in 0..MOST_TRIES {
+            let middle = (low * at_high - high * at_low) / (at_high - at_low);
+            let at_middle = beyond(middle);
+            if at_middle.abs() < SETTLED {
+                return middle;
+            }
+            if at_middle > 0.0 {
+                (low, at_low) = (middle, at_middle);
+                at_high *= 0.5;
+            } else {
+                (high, at_high) = (middle, at_middle);
+                at_low *= 0.5;
+            }
+        }
+        high
+    }
+
+    fn solve(&self, at: &Vec3, turn: &Matrix3<f64>) -> Bent {
+        let hip = at + turn * self.hip;
+        let heel = self.heel(&hip);
+        let (ankle, foot) = self.on(heel);
+        let r = foot.tr_mul(&(hip - ankle));
+        let d = r.norm();
+        let k = self.flexion(d);
+        let roll = (-r.z).atan2(r.y);
+        let lean = r.x.atan2(r.y.hypot(r.z)) + self.gamma(k);
+        let upright = foot * about_x(-roll);
+        let shank = upright * about_z(-lean);
+        let thigh = shank * about_z(k);
+        let hip_angles = zxy(&turn.tr_mul(&thigh));
+        let posture = LegPosture {
+            hip: hip_angles,
+            knee: -k,
+            ankle: [lean, roll],
+            heel,
+            short_m: (d - self.longest_m()).max(0.0),
+        };
+        let knee = ankle + shank.column(1) * self.shank_m;
+        Bent { posture, foot, shank, thigh, ankle, knee, hip }
+    }
+
+    fn rows(
+        &self,
+        (at, bent): (&Vec3, &Bent),
+        columns: &Matrix6<f64>,
+        near: f64,
+        rows: &mut Vec<PelvisRow>,
+    ) {
+        // The leg is no longer than straight: how the hip moves away from the ankle.
+        let longest = self.longest_m();
+        let to = bent.hip - self.ankle;
+        let length = to.norm();
+        if length > longest - near {
+            let u = to / length;
+            let turning = (bent.hip - at).cross(&u);
+            let by = |c: usize| {
+                let (v, w) = (columns.fixed_view::<3, 1>(0, c), columns.fixed_view::<3, 1>(3, c));
+                u.dot(&v) + turning.dot(&w)
+            };
+            let coefficients = std::array::from_fn(by);
+            rows.push(PelvisRow {
+                coefficients,
+                at: length,
+                lower: f64::NEG_INFINITY,
+                upper: longest,
+            });
+        }
+        // A straight knee has its end above; where the shin has its own, the heel rises.
+        let angles = bent.posture.all();
+        let bounds = |i: usize| match (i, self.ranges[i]) {
+            (3 | 4, (lower, _)) => (lower, f64::INFINITY),
+            (6, (_, upper)) => (f64::NEG_INFINITY, upper),
+            (_, range) => range,
+        };
+        let is_close = |i: usize| {
+            let (lower, upper) = bounds(i);
+            angles[i] < lower + near || angles[i] > upper - near
+        };
+        if !(0..7).any(is_close) {
+            return;
+        }
+        let Some(rates) = self.rates(bent, at, columns) else { return };
+        for i in (0..7).filter(|&i| is_close(i)) {
+            let (lower, upper) = bounds(i);
+            let coefficients = std::array::from_fn(|c| rates[i][c]);
+            rows.push(PelvisRow { coefficients, at: angles[i], lower, upper });
+        }
+    }
+
+    /// How each angle of the leg changes with the pelvis' coordinates; none where that is singular.
+    fn rates(&self, bent: &Bent, at: &Vec3, columns: &Matrix6<f64>) -> Option<[Vector6<f64>; 7]> {
+        let p = &bent.posture;
+        let pelvis_z = bent.thigh * about_y(-p.hip[2]) * about_x(-p.hip[1]);
+        let hip_x = pelvis_z.column(0).into_owned();
+        let axis = |m: &Matrix3<f64>, i: usize| -> Vec3 { m.column(i).into_owned() };
+        let ball = bent.ankle + bent.foot * self.ball;
+        let all = [
+            // About the pelvis' own z axis: the axes after Z share it.
+            (axis(&pelvis_z, 2), bent.hip),
+            (hip_x, bent.hip),
+            (axis(&bent.thigh, 1), bent.hip),
+            (axis(&bent.thigh, 2), bent.knee),
+            (axis(&bent.shank, 2), bent.ankle),
+            (axis(&bent.foot, 0), bent.ankle),
+            (axis(&bent.foot, 2), ball),
+        ];
+        // Which six joints carry the pelvis: a raised heel takes the place of a shin at its limit.
+        let used: [usize; 6] = if p.heel == 0.0 { [0, 1, 2, 3, 4, 5] } else { [0, 1, 2, 3, 5, 6] };
+        let mut chain = Matrix6::zeros();
+        for (c, &j) in used.iter().enumerate() {
+            let (a, o) = all[j];
+            // From the pelvis to the ground: the ground moves by a x (ground - o).
+            chain.fixed_view_mut::<3, 1>(0, c).copy_from(&a.cross(&(at - o)));
+            chain.fixed_view_mut::<3, 1>(3, c).copy_from(&a);
+        }
+        // A straight leg cannot follow every motion of the pelvis: the nearest that it can.
+        let rates = if p.knee.abs() < STRAIGHT_RAD {
+            let gram = chain * chain.transpose() + Matrix6::identity() * STRAIGHT_DAMPING;
+            chain.transpose() * gram.lu().solve(&(-columns))?
+        } else {
+            chain.lu().solve(&(-columns))?
+        };
+        let mut out = [Vector6::zeros(); 7];
+        for (r, &j) in used.iter().enumerate() {
+            out[j] = rates.row(r).transpose();
+        }
+        Some(out)
+    }
+}
+
+fn about_x(angle: f64) -> Matrix3<f64> {
+    let (s, c) = angle.sin_cos();
+    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
+}
+
+fn about_y(angle: f64) -> Matrix3<f64> {
+    let (s, c) = angle.sin_cos();
+    Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
+}
+
+fn about_z(angle: f64) -> Matrix3<f64> {
+    let (s, c) = angle.sin_cos();
+    Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::{Coupled, Hands, Pelvis, pelvis_in_rest};
+
+    #[test]
+    fn bounds_change_with_the_pelvis_as_finite_differences_say() {
+        let body = Body::load("male_p50", std::path::Path::new(".")).unwrap();
+        let legs = Legs::new(&body, Stance::Standing { shoe_m: 0.03 }).unwrap();
+        let coupled = Coupled { hands: Hands::Right, pelvis: Pelvis::Moves };
+        let chain = body.chain(coupled, &["Pelvis"]).unwrap();
+        let rows = |six: &[f64; 6]| {
+            let mut q = vec![0.0; chain.dof()];
+            q[..6].copy_from_slice(six);
+            let mut frames = Frames::default();
+            chain.forward(&q, &mut frames);
+            let (at, turn) = chain.tip_frame(&frames, 1);
+            let pose = pelvis_in_rest(six, body.leg_m());
+            assert!((pose.translation.vector - at).norm() < 1e-12);
+            let mut rows = Vec::new();
+            let columns = chain.leading_columns(&frames, 1, 6);
+            legs.rows((&at, &legs.bending(&at, &turn)), &columns, 9.0, &mut rows);
+            rows
+        };
+        // Flat feet, and shins at their limit with raised heels.
+        for six in [[-0.22, -0.15, 0.04, -0.6, 0.1, 0.2], [-0.05, -0.42, 0.02, -0.4, 0.05, -0.1]] {
+            let here = rows(&six);
+            assert!(here.len() >= 14, "{}", here.len());
+            for c in 0..6 {
+                let step = 1e-6;
+                let (mut up, mut down) = (six, six);
+                up[c] += step;
+                down[c] -= step;
+                let pairs = rows(&up).into_iter().zip(rows(&down));
+                for (i, (row, (up, down))) in here.iter().zip(pairs).enumerate() {
+                    let slope = (up.at - down.at) / (2.0 * step);
+                    let found = row.coefficients[c];
+                    assert!(
+                        (slope - found).abs() < 1e-2 * (1.0 + slope.abs()),
+                        "{six:?} row {i} column {c}: {slope} {found}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn feet_of_who_sits_stand_on_floor_or_rest_or_hang() {
+        let body = Body::load("female_p05", std::path::Path::new(".")).unwrap();
+        let seated = |seat_height_m: f64, footrest_m: f64| {
+            Legs::new(&body, Stance::Seated { seat_height_m, footrest_m }).unwrap()
+        };
+        let (low, high, rest) = (seated(0.38, 0.0), seated(0.55, 0.0), seated(0.55, 0.2));
+        assert!(!low.hang() && high.hang() && !rest.hang());
+        for legs in [&low, &high, &rest] {
+            let [right, left] = legs.postures(&Pose::identity());
+            assert!(right.short_m == 0.0 && right.heel == 0.0);
+            assert!((right.knee - left.knee).abs() < 1e-9);
+            assert!((60.0..115.0).contains(&-right.knee.to_degrees()), "{right:?}");
+        }
+    }
+}
