@@ -254,15 +254,23 @@ impl Legs {
         bending.0.iter().map(|b| b.posture.heel).fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest violation of any range by the legs at a pelvis, m or rad; 0 where all are kept.
-    pub fn violation(&self, pelvis: &Pose) -> f64 {
-        let postures = self.postures(pelvis);
-        let of = |(leg, p): (&Leg, &LegPosture)| {
-            let angles = p.all();
-            let over = angles.iter().zip(&leg.ranges).map(|(v, (lo, hi))| (lo - v).max(v - hi));
-            over.fold(p.short_m, f64::max)
-        };
-        self.sides.iter().zip(&postures).map(of).fold(0.0, f64::max)
+    /// By how much the legs are too short (m) and any angle is beyond its range (rad); 0 where all is
+    /// kept.
+    pub fn excess(&self, bending: &Bending) -> (f64, f64) {
+        let (mut short_m, mut beyond) = (0.0f64, 0.0f64);
+        for (leg, bent) in self.sides.iter().zip(&bending.0) {
+            short_m = short_m.max(bent.posture.short_m);
+            for (v, (lower, upper)) in bent.posture.all().iter().zip(&leg.ranges) {
+                beyond = beyond.max(lower - v).max(v - upper);
+            }
+        }
+        (short_m, beyond)
+    }
+
+    /// The same for a pelvis in the rest frame.
+    pub fn excess_at(&self, pelvis: &Pose) -> (f64, f64) {
+        let turn = *pelvis.rotation.to_rotation_matrix().matrix();
+        self.excess(&self.bending(&pelvis.translation.vector, &turn))
     }
 }
 

@@ -241,10 +241,11 @@ impl Coupling {
         }
     }
 
-    /// Bounds of legs and balance within `near` (m or rad) of the posture of `frames`.
-    pub(super) fn bounds(&self, frames: &Frames, near: f64, bounds: &mut Bounds) {
+    /// Bounds of legs and balance within `near` (m or rad) of the posture of `frames`, and by how much the
+    /// legs are beyond theirs (m, rad).
+    pub(super) fn bounds(&self, frames: &Frames, near: f64, bounds: &mut Bounds) -> (f64, f64) {
         bounds.clear();
-        let Some(ground) = &self.ground else { return };
+        let Some(ground) = &self.ground else { return (0.0, 0.0) };
         let (at, turn) = self.chain.tip_frame(frames, ground.tip);
         let free = ground.pelvis.free();
         let columns = ground.columns(&self.chain, frames);
@@ -263,6 +264,7 @@ impl Coupling {
                 bounds.push(&row.coefficients, row.at, (f64::NEG_INFINITY, upper));
             }
         }
+        ground.legs.excess(&bending)
     }
 
     /// What the task prescribes of a twist or pose error of each hand given in base axes.

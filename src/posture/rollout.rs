@@ -24,6 +24,10 @@ use nalgebra::{DMatrix, DVector};
 /// Residual of the hand beyond which Newton corrections are made, and beyond which the rollout ends.
 const CORRECT_BEYOND_M: f64 = 2e-4;
 const END_BEYOND_M: f64 = 1e-3;
+/// By how much a leg may be beyond its range (rad) before it is corrected, and before the rollout ends. It
+/// may be too short by what the hand may be off.
+const CORRECT_LEG_BEYOND: f64 = 0.005;
+const END_LEG_BEYOND: f64 = 0.017;
 /// Largest change of a joint in one step, rad; more means the arm is about to lose the path.
 const LARGEST_JOINT_STEP: f64 = 0.6;
 
@@ -64,7 +68,7 @@ pub fn roll_out(
         q: first.clone(),
         frames,
         bounds: Bounds::default(),
-        is_bounded: false,
+        beyond: None,
     };
     let mut state = State {
         coupling,
@@ -143,20 +147,19 @@ struct Spot {
     frames: Frames,
     /// What legs and balance allow, where it was looked at.
     bounds: Bounds,
-    is_bounded: bool,
+    /// By how much legs are beyond it, m and rad; none where it was not looked at.
+    beyond: Option<(f64, f64)>,
 }
 
 impl Spot {
     fn look(&mut self, coupling: &Coupling) {
         coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
-        self.is_bounded = false;
+        self.beyond = None;
     }
 
-    fn bound(&mut self, coupling: &Coupling) {
-        if !self.is_bounded {
-            coupling.bounds(&self.frames, STEPWISE, &mut self.bounds);
-            self.is_bounded = true;
-        }
+    fn bound(&mut self, coupling: &Coupling) -> (f64, f64) {
+        let Self { beyond, frames, bounds, .. } = self;
+        *beyond.get_or_insert_with(|| coupling.bounds(frames, STEPWISE, bounds))
     }
 }
 
@@ -291,20 +294,29 @@ impl State<'_> {
         Ok(())
     }
 
-    /// Newton corrections when the curvature of the step has taken the hand off the path.
+    /// Newton corrections when the curvature of the step has taken the hand off the path, or a leg that it
+    /// stretched beyond its range.
     fn correct(&mut self, target: &Grips) -> Result<DVector<f64>, ReachExceeded> {
         let linear = self.coupling.linear_rows();
-        for _ in 0..4 {
+        for left in (0..5).rev() {
             let error = self.coupling.task_error(&self.here.seen.grips, target);
             let metres = error.rows(0, linear).norm();
             let radians = error.rows_range(linear..).norm();
-            if metres <= CORRECT_BEYOND_M && radians <= 4.0 * CORRECT_BEYOND_M {
+            let (short_m, leg) = self.here.bound(self.coupling);
+            let metres = metres.max(short_m);
+            if metres <= CORRECT_BEYOND_M
+                && radians <= 4.0 * CORRECT_BEYOND_M
+                && leg <= CORRECT_LEG_BEYOND
+            {
                 return Ok(error);
+            }
+            if left == 0 {
+                let is_lost = metres > END_BEYOND_M || leg > END_LEG_BEYOND;
+                return if is_lost { Err(ReachExceeded) } else { Ok(error) };
             }
             let still = DVector::zeros(self.here.q.len());
             self.step(None, &error, &still)?;
         }
-        let error = self.coupling.task_error(&self.here.seen.grips, target);
-        if error.rows(0, linear).norm() > END_BEYOND_M { Err(ReachExceeded) } else { Ok(error) }
+        Err(ReachExceeded)
     }
 }

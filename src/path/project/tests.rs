@@ -216,38 +216,55 @@ proptest! {
         is_boxed in any::<bool>(),
         offset in 0.02f64..0.4,
     ) {
-        let start = Pose::translation(0.5, 0.0, 1.0);
-        let turn = Vec3::new(0.3, -0.5, 0.8).normalize() * angle;
-        let goal = Pose::new(Vec3::new(0.5 + goal.0, goal.1, 1.0 + goal.2), turn);
-        let inner = Box3 { min: Vec3::new(0.05, -0.55, 0.65), max: Vec3::new(0.95, 0.55, 1.45) };
-        let limits =
-            PathLimits { workspace: is_boxed.then_some(inner), ..PathLimits::default() };
-        let settings = CandidateSettings { samples: 1, sampled_offset_m: offset, ..Default::default() };
-        let projection = ProjectionSettings { steps, ..Default::default() };
-        let shortest = shortest_straight_s(&start, &goal, &limits);
-        for candidate in candidates(&settings, &start, &goal, &-Vec3::x(), seed).iter().skip(4) {
-            let reference = reference_path(candidate, &start, &goal, duration, steps).unwrap();
-            match project(&reference, &limits, &projection) {
-                Projection::Feasible { path, .. } => {
-                    let found = verify(&path, &limits);
-                    let broken: Vec<_> = found.violations().collect();
-                    prop_assert!(broken.is_empty(), "{broken:?}");
-                    let end = path.position[steps] - goal.translation.vector;
-                    prop_assert!(end.norm() < 1e-10, "{end}");
-                }
-                Projection::Infeasible { why: why @ NoPath::TooShortToTurn { .. }, .. } => {
-                    // Peaks of the minimum-jerk law: 1.875 and 10 / sqrt 3.
-                    let speed = 1.875 * angle / duration;
-                    let acceleration = 10.0 / 3f64.sqrt() * angle / (duration * duration);
-                    let is_over = speed > limits.angular_speed_rad_s
-                        || acceleration > limits.angular_acceleration_rad_s2;
-                    prop_assert!(is_over, "{why:?}");
-                }
-                Projection::Infeasible { why, .. } => {
-                    prop_assert!(why.cause() == Cause::Duration, "{why:?}");
-                    prop_assert!(duration < shortest * 1.3, "{why:?}");
-                }
+        each_passes_the_independent_check(seed, goal, angle, (duration, steps), is_boxed, offset)?;
+    }
+}
+
+#[test]
+fn what_once_gave_no_answer_is_projected() {
+    let goal = (0.0, 0.15297038187865178, -0.08907729297541611);
+    each_passes_the_independent_check(286_448, goal, 0.0, (1.5, 160), false, 0.02).unwrap();
+}
+
+fn each_passes_the_independent_check(
+    seed: u64,
+    goal: (f64, f64, f64),
+    angle: f64,
+    (duration, steps): (f64, usize),
+    is_boxed: bool,
+    offset: f64,
+) -> Result<(), TestCaseError> {
+    let start = Pose::translation(0.5, 0.0, 1.0);
+    let turn = Vec3::new(0.3, -0.5, 0.8).normalize() * angle;
+    let goal = Pose::new(Vec3::new(0.5 + goal.0, goal.1, 1.0 + goal.2), turn);
+    let inner = Box3 { min: Vec3::new(0.05, -0.55, 0.65), max: Vec3::new(0.95, 0.55, 1.45) };
+    let limits = PathLimits { workspace: is_boxed.then_some(inner), ..PathLimits::default() };
+    let settings = CandidateSettings { samples: 1, sampled_offset_m: offset, ..Default::default() };
+    let projection = ProjectionSettings { steps, ..Default::default() };
+    let shortest = shortest_straight_s(&start, &goal, &limits);
+    for candidate in candidates(&settings, &start, &goal, &-Vec3::x(), seed).iter().skip(4) {
+        let reference = reference_path(candidate, &start, &goal, duration, steps).unwrap();
+        match project(&reference, &limits, &projection) {
+            Projection::Feasible { path, .. } => {
+                let found = verify(&path, &limits);
+                let broken: Vec<_> = found.violations().collect();
+                prop_assert!(broken.is_empty(), "{broken:?}");
+                let end = path.position[steps] - goal.translation.vector;
+                prop_assert!(end.norm() < 1e-10, "{end}");
+            }
+            Projection::Infeasible { why: why @ NoPath::TooShortToTurn { .. }, .. } => {
+                // Peaks of the minimum-jerk law: 1.875 and 10 / sqrt 3.
+                let speed = 1.875 * angle / duration;
+                let acceleration = 10.0 / 3f64.sqrt() * angle / (duration * duration);
+                let is_over = speed > limits.angular_speed_rad_s
+                    || acceleration > limits.angular_acceleration_rad_s2;
+                prop_assert!(is_over, "{why:?}");
+            }
+            Projection::Infeasible { why, .. } => {
+                prop_assert!(why.cause() == Cause::Duration, "{why:?}");
+                prop_assert!(duration < shortest * 1.3, "{why:?}");
             }
         }
     }
+    Ok(())
 }
