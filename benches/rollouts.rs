@@ -20,7 +20,6 @@ use ergopath::posture::{
 use ergopath::training::{TrainSettings, learn_laws};
 use nalgebra::UnitQuaternion;
 use std::hint::black_box;
-use std::path::Path;
 
 const STEPS: usize = 100;
 const DT_S: f64 = 0.04;
@@ -177,7 +176,8 @@ fn kinematics(c: &mut Criterion) {
     });
     #[cfg(feature = "peers")]
     {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/human/female_p50.urdf");
+        let file =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("models/human/female_p50.urdf");
         let chain = k::Chain::<f64>::from_urdf_file(file).unwrap();
         let serial = k::SerialChain::from_end(chain.find_link("RightGrip").unwrap());
         group.bench_function("the same by the crate k", |b| {

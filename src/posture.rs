@@ -43,7 +43,7 @@ pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, model_text, save_model};
 pub use grips::Grips;
-pub use hand_path::HandPath;
+pub use hand_path::{HandPath, postures_at};
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Draw, Floors, PostureLaw, Prediction, Query, Sampler, Sampling};
 pub use model::{

@@ -6,8 +6,11 @@ use crate::ergonomics::ScoringMethod;
 use crate::path::Family;
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult, Severity, Status};
 use crate::words;
-use crate::words::number::{percent, score};
+use crate::words::number::{capital, percent, score};
 use comfy_table::{Cell, CellAlignment};
+
+/// Changes of the cell that are shown.
+const MOST_CHANGES: usize = 3;
 
 /// The verdict, and unless it is to be quiet the ranking and what belongs to it.
 pub(super) fn print(result: &RunResult, quiet: bool) {
@@ -21,6 +24,7 @@ pub(super) fn print(result: &RunResult, quiet: bool) {
     section("Part of the result", &notes);
     section("Warnings", &words::verdict::findings(result, Severity::Caution));
     print_strain(result);
+    print_help(result);
     print_trust(result);
 }
 
@@ -147,6 +151,23 @@ fn print_strain(result: &RunResult) {
             say!("  {name:<14} {sentence}");
         }
     }
+}
+
+/// The changes that would help most.
+fn print_help(result: &RunResult) {
+    let Some(found) = &result.recommendations else { return };
+    let mut lines: Vec<String> = found.standing.iter().map(words::cell::standing_place).collect();
+    lines.extend(found.clear.iter().take(MOST_CHANGES).map(|r| {
+        let now_then = |[now, then]: [f64; 2]| format!("{} \u{2192} {}", score(now), score(then));
+        let effects: Vec<String> = r
+            .effect
+            .iter()
+            .map(|(m, e)| format!("{} {}", m.name(), now_then(e.expected)))
+            .chain(words::cell::low_back(r))
+            .collect();
+        format!("{}: {}", capital(&words::cell::cell_change(&r.what)), effects.join(", "))
+    }));
+    section("What would help (each change alone, path and robot as they are)", &lines);
 }
 
 /// How far the figures of the lead can be trusted.

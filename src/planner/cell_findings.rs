@@ -16,7 +16,7 @@ const ENOUGH: f64 = 0.75;
 /// Share of the way, and of the starts, from which the recordings count as not supporting it.
 const MOST_UNSUPPORTED: f64 = 0.5;
 /// Depth of an obstacle in a body that cushions, clothes and the capsules' roundness explain, m.
-const SOFT_M: f64 = 0.02;
+pub(super) const SOFT_M: f64 = 0.02;
 /// Depth from which an obstacle goes through the body, m; toes below a bench are less deep.
 const THROUGH_M: f64 = 0.10;
 /// Soles of a seated worker, and height of the feet that a raised heel explains, m.

@@ -63,6 +63,26 @@ pub enum Finding {
         /// First, s.
         from_s: f64,
     },
+    /// Repetitions in which people would step, who stand still here.
+    StepNeeded {
+        /// Body.
+        body: String,
+        /// Share of the repetitions.
+        share: f64,
+    },
+    /// Repetitions in which a part of the body goes into an obstacle.
+    InFurniture {
+        /// Body.
+        body: String,
+        /// Share of the repetitions.
+        share: f64,
+        /// Part of the body that goes deepest.
+        part: String,
+        /// Into which obstacle.
+        obstacle: String,
+        /// How deep in a bad repetition (95th percentile), m.
+        depth_m: f64,
+    },
     /// Another body than that of the verdict is worse in a figure.
     OtherBodyWorse {
         /// Body.
@@ -208,6 +228,8 @@ impl Finding {
             | Self::UnusualStarts { .. }
             | Self::LowHand(_)
             | Self::OutOfReach { .. }
+            | Self::StepNeeded { .. }
+            | Self::InFurniture { .. }
             | Self::OtherBodyWorse { .. }
             | Self::MuscleUseOpen { .. }
             | Self::Assumption { .. }

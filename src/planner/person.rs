@@ -112,8 +112,8 @@ impl<'a> Person<'a> {
     ) -> Vec<Option<DVector<f64>>> {
         let to_rest = self.pelvis(variant).inverse();
         let grips = self.asked(&self.grips(tcp, &to_rest, variant));
-        let postures = self.behaviour.postures();
-        let starts = start_postures(&self.coupling, postures, rule, grips, (0, 0), 0..count);
+        let postures = self.behaviour.postures_at(&self.coupling, &grips);
+        let starts = start_postures(&self.coupling, &postures, rule, grips, (0, 0), 0..count);
         let own = |start: Start| {
             start.q.map(|mut q| {
                 self.own(&mut q);
@@ -145,7 +145,8 @@ impl<'a> Person<'a> {
         self.placed(&self.pelvis(variant), &vec![0.0; self.coupling.dof()])
     }
 
-    fn placed(&self, pelvis: &Pose, q: &[f64]) -> Vec<[Vec3; 2]> {
+    /// The same for any posture and rest frame.
+    pub(super) fn placed(&self, pelvis: &Pose, q: &[f64]) -> Vec<[Vec3; 2]> {
         let mut ends = Vec::new();
         self.envelope.place(pelvis, q, &mut EnvelopeScratch::default(), &mut ends);
         ends
@@ -201,8 +202,10 @@ impl<'a> Person<'a> {
         let first = numbers.start;
         let is_sure = numbers.len() == 1 && block == (0, 0);
         let heads = numbers.clone().map(|r| self.head(block, r, is_sure)).collect();
-        let postures = behaviour.postures();
-        let mut starts = start_postures(&self.coupling, postures, rule, asked[0], block, numbers);
+        let postures = behaviour.postures_at(&self.coupling, &asked[0]);
+        let starts = start_postures(&self.coupling, &postures, rule, asked[0], block, numbers);
+        let mut starts: Vec<Start> =
+            starts.into_iter().map(|s| s.among(behaviour.postures())).collect();
         let at = (&path.time_s[..], &asked[..]);
         let mut repeated = behaviour.repeat(&self.coupling, at, &starts, block, first);
         for q in repeated.rollouts.iter_mut().flat_map(|r| &mut r.q) {

@@ -1,7 +1,8 @@
 //! What would lower the score of the best path: small changes of where the worker stands, of the
-//! handle and of the load, each tried on the same repetitions.
+//! heights of start and goal, of the handle and of the load, each tried on the same repetitions.
 //!
-//! Path and robot stay as they are, so that a change needs no new plan. The hand's reach is part of
+//! Path and robot stay as they are, so that a change needs no new plan; where an end is raised, the path is
+//! bent with it and the robot is not looked at again. The hand's reach is part of
 //! the figures, and a change that brings the worker too near to the robot is left out.
 
 use super::environment::{Environment, near};
@@ -9,18 +10,24 @@ use super::near::Care;
 use super::objective::Figures;
 use super::person::Person;
 use super::prepare::Prepared;
-use super::result::{CellChange, Effect, Recommendation, Recommendations, Way};
+use super::result::{CellChange, Effect, Recommendation, Recommendations, StandingPlace, Way};
 use crate::ergonomics::{PerMethod, ScoringMethod, paired_difference};
 use crate::human::Stance;
 use crate::math::stats::mean;
 use crate::math::{Pose, Vec3};
+use crate::path::End;
 use crate::scenario::Variant;
 use crate::survey::Lens;
+use crate::trajectory::TimedPath;
 use nalgebra::UnitQuaternion;
 
 /// Steps that are tried, m and deg.
 const LENGTHS_M: [f64; 2] = [0.05, 0.10];
 const ANGLES_DEG: [f64; 2] = [10.0, 20.0];
+const HEIGHTS_M: [f64; 2] = [0.10, 0.20];
+/// Steps of somebody who would stand elsewhere, m, and share of repetitions from which it is looked for.
+const STEPS_M: [f64; 3] = [0.10, 0.20, 0.30];
+const WOULD_STEP: f64 = 0.05;
 /// Least gain in expected RULA that is worth a sentence.
 const LEAST_GAIN: f64 = 0.02;
 /// Most repetitions behind an effect.
@@ -29,10 +36,20 @@ const REPETITIONS: usize = 32;
 const BLOCK: u32 = 4;
 
 /// One change, and the cell with it.
+#[derive(Clone)]
 struct Tried {
     what: CellChange,
     variant: Variant,
     load_share: f64,
+    /// An end that is raised, m.
+    raised: Option<(End, f64)>,
+}
+
+/// A cell's figures for one person.
+struct Tally {
+    figures: Figures,
+    l5s1_peak_nm: f64,
+    stretched_share: Option<f64>,
 }
 
 /// Changes that clearly lower the expected RULA of a path for one person, best first.
@@ -41,31 +58,44 @@ pub(super) fn recommend(
     prepared: &Prepared,
     person: &Person,
 ) -> Recommendations {
-    let nothing = Recommendations { tried: 0, repetitions: 0, clear: Vec::new() };
+    let nothing = Recommendations { tried: 0, repetitions: 0, clear: Vec::new(), standing: None };
     let Some(path) = &prepared.path else { return nothing };
     let count = REPETITIONS.min(environment.preset.rollouts_final);
     let robot = environment.workshop.robot_of(&prepared.variant);
     let arm = prepared.arm(&robot, Care::Selection);
-    let figures = |variant: &Variant, load_share: f64| {
+    let tally = |t: &Tried| {
         let mut lens: Lens = environment.lens.clone();
-        lens.task.load_kg *= load_share;
-        let repetitions = person.repeat(path, variant, (environment.seed, BLOCK), 0..count);
-        let there = Prepared { variant: variant.clone(), ..prepared.clone() };
+        lens.task.load_kg *= t.load_share;
+        let bent = t.raised.map(|(end, by_m)| raised(path, end, by_m));
+        let path = bent.as_ref().unwrap_or(path);
+        let repetitions = person.repeat(path, &t.variant, (environment.seed, BLOCK), 0..count);
+        let there = Prepared { variant: t.variant.clone(), ..prepared.clone() };
         let (near_m, _) = near(person, &repetitions, &(0..count), (arm.as_ref(), &there));
-        Figures { near_m, ..Figures::of(&repetitions, &lens) }
+        Tally {
+            figures: Figures { near_m, ..Figures::of(&repetitions, &lens) },
+            l5s1_peak_nm: mean(&repetitions.l5s1_peaks_nm()),
+            stretched_share: repetitions.stretched_share(environment.scenario.worker.pelvis),
+        }
     };
     let margin = &environment.scenario.person_margin;
     let is_too_near = |f: &Figures| {
         let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64;
         below > margin.share * f.near_m.len() as f64
     };
-    let now = figures(&prepared.variant, 1.0);
+    let as_it_is = Tried {
+        what: CellChange::HalveLoad { load_kg: 0.0 },
+        variant: prepared.variant.clone(),
+        load_share: 1.0,
+        raised: None,
+    };
+    let now = tally(&as_it_is);
     let all = changes(environment, &prepared.variant);
     let mut clear: Vec<Recommendation> = Vec::new();
     for t in &all {
-        let then = figures(&t.variant, t.load_share);
+        let tallied = tally(t);
+        let (then, before) = (&tallied.figures, &now.figures);
         let effect = PerMethod::of(|m| {
-            let (a, b) = (&then.scores[m], &now.scores[m]);
+            let (a, b) = (&then.scores[m], &before.scores[m]);
             Effect {
                 change: paired_difference(&a.time_mean, &b.time_mean),
                 expected: [mean(&b.time_mean), mean(&a.time_mean)],
@@ -75,11 +105,13 @@ pub(super) fn recommend(
         let lead = &effect[ScoringMethod::Rula].change;
         // What one method gains may not be another's clear loss.
         let is_loss = effect.iter().any(|(_, e)| e.change.low95 > 0.0);
-        let is_worse = mean(&then.lost) > mean(&now.lost) || is_too_near(&then) || is_loss;
+        let is_worse = mean(&then.lost) > mean(&before.lost) || is_too_near(then) || is_loss;
         if !lead.clear || lead.mean > -LEAST_GAIN || is_worse {
             continue;
         }
-        let found = Recommendation { what: t.what, effect };
+        let is_load = t.load_share < 1.0;
+        let l5s1_peak_nm = (!is_load).then_some([now.l5s1_peak_nm, tallied.l5s1_peak_nm]);
+        let found = Recommendation { what: t.what, effect, l5s1_peak_nm };
         match clear.iter_mut().find(|r| is_one_direction(&r.what, &t.what)) {
             Some(known) if gained(known) <= gained(&found) => {}
             Some(known) => *known = found,
@@ -87,24 +119,59 @@ pub(super) fn recommend(
         }
     }
     clear.sort_by(|a, b| gained(a).total_cmp(&gained(b)));
-    Recommendations { tried: all.len(), repetitions: count, clear }
+    let standing = now.stretched_share.filter(|s| *s > WOULD_STEP).and_then(|share| {
+        let place = |(way, by_m, at_m): (Way, f64, [f64; 2])| {
+            let variant = Variant { at_m, ..prepared.variant.clone() };
+            let there = tally(&Tried { variant, ..as_it_is.clone() });
+            let then =
+                there.stretched_share.filter(|s| *s < share && !is_too_near(&there.figures))?;
+            Some(StandingPlace { way, by_m, stretched_share: [share, then] })
+        };
+        let tried = STEPS_M.into_iter().flat_map(|by_m| places(&prepared.variant, by_m));
+        let found: Vec<StandingPlace> = tried.filter_map(place).collect();
+        let is_enough = |p: &&StandingPlace| p.stretched_share[1] <= WOULD_STEP;
+        let least = |a: &&StandingPlace, b: &&StandingPlace| {
+            a.stretched_share[1].total_cmp(&b.stretched_share[1])
+        };
+        found.iter().find(is_enough).or_else(|| found.iter().min_by(least)).copied()
+    });
+    Recommendations { tried: all.len(), repetitions: count, clear, standing }
+}
+
+/// A path one of whose ends is raised: the other end stays, between them it is bent evenly along its length.
+fn raised(path: &TimedPath, end: End, by_m: f64) -> TimedPath {
+    let at = |p: &Pose| p.translation.vector;
+    let mut way = vec![0.0];
+    for pair in path.poses.windows(2) {
+        way.push(way[way.len() - 1] + (at(&pair[1]) - at(&pair[0])).norm());
+    }
+    let whole = way[way.len() - 1].max(f64::MIN_POSITIVE);
+    let mut bent = path.clone();
+    for (pose, way) in bent.poses.iter_mut().zip(way) {
+        let toward_goal = way / whole;
+        let share = if end == End::Start { 1.0 - toward_goal } else { toward_goal };
+        pose.translation.vector.z += by_m * share;
+    }
+    bent
+}
+
+/// Where the worker would stand after a step each way.
+fn places(from: &Variant, by_m: f64) -> [(Way, f64, [f64; 2]); 4] {
+    let forward = Vec3::new(from.facing.cos(), from.facing.sin(), 0.0);
+    let left = Vec3::z().cross(&forward);
+    [(Way::Nearer, forward), (Way::Farther, -forward), (Way::Left, left), (Way::Right, -left)].map(
+        |(way, along)| (way, by_m, [from.at_m[0] + by_m * along.x, from.at_m[1] + by_m * along.y]),
+    )
 }
 
 fn changes(environment: &Environment, from: &Variant) -> Vec<Tried> {
     let mut all = Vec::new();
-    let mut push =
-        |what: CellChange, variant: Variant| all.push(Tried { what, variant, load_share: 1.0 });
-    let forward = Vec3::new(from.facing.cos(), from.facing.sin(), 0.0);
-    let left = Vec3::z().cross(&forward);
+    let mut push = |what: CellChange, variant: Variant| {
+        all.push(Tried { what, variant, load_share: 1.0, raised: None });
+    };
     let seated = matches!(environment.scenario.worker.stance, Stance::Seated { .. });
     for by_m in LENGTHS_M {
-        for (way, along) in [
-            (Way::Nearer, forward),
-            (Way::Farther, -forward),
-            (Way::Left, left),
-            (Way::Right, -left),
-        ] {
-            let at_m = [from.at_m[0] + by_m * along.x, from.at_m[1] + by_m * along.y];
+        for (way, by_m, at_m) in places(from, by_m) {
             let what = CellChange::MoveWorker { way, by_m, seated };
             push(what, Variant { at_m, ..from.clone() });
         }
@@ -121,10 +188,16 @@ fn changes(environment: &Environment, from: &Variant) -> Vec<Tried> {
         let grip = from.grip * Pose::from_parts(Vec3::zeros().into(), about);
         push(CellChange::TurnHandle { by_rad: by }, Variant { grip, ..from.clone() });
     }
+    for end in [End::Start, End::Goal] {
+        for by_m in HEIGHTS_M.into_iter().flat_map(|d| [d, -d]) {
+            let (what, variant) = (CellChange::RaiseEnd { end, by_m }, from.clone());
+            all.push(Tried { what, variant, load_share: 1.0, raised: Some((end, by_m)) });
+        }
+    }
     let load_kg = environment.lens.task.load_kg;
     if load_kg > 0.0 {
         let (what, variant) = (CellChange::HalveLoad { load_kg }, from.clone());
-        all.push(Tried { what, variant, load_share: 0.5 });
+        all.push(Tried { what, variant, load_share: 0.5, raised: None });
     }
     all
 }
@@ -136,9 +209,12 @@ fn gained(r: &Recommendation) -> f64 {
 
 /// Whether two changes are steps of one direction; the best of them is told.
 fn is_one_direction(a: &CellChange, b: &CellChange) -> bool {
-    use CellChange::{HalveLoad, MoveWorker, RaiseWorker, TurnHandle, TurnWorker};
+    use CellChange::{HalveLoad, MoveWorker, RaiseEnd, RaiseWorker, TurnHandle, TurnWorker};
     match (a, b) {
         (MoveWorker { way: a, .. }, MoveWorker { way: b, .. }) => a == b,
+        (RaiseEnd { end: x, by_m: a }, RaiseEnd { end: y, by_m: b }) => {
+            x == y && a.signum() == b.signum()
+        }
         (RaiseWorker { by_m: a, .. }, RaiseWorker { by_m: b, .. })
         | (TurnWorker { by_rad: a }, TurnWorker { by_rad: b })
         | (TurnHandle { by_rad: a }, TurnHandle { by_rad: b }) => a.signum() == b.signum(),

@@ -162,7 +162,8 @@ fn report(
                 let figures = Figures::of(&repetitions, environment.lens);
                 let time = environment.terms(prepared).time_share;
                 scores.objective = figures.value(&environment.preset.objective, time);
-                scores.strain = repetitions.strain(environment.scenario, environment.lens, at);
+                scores.strain =
+                    repetitions.strain(environment.scenario, environment.lens, at, person);
             }
             if let (Some(scores), Some(arm)) = (&mut scores, &arm) {
                 let closest = person.closest(&repetitions, &(0..count), (arm, &prepared.variant));

@@ -12,7 +12,7 @@ use crate::ergonomics::{
 };
 use crate::files::null_as_nan;
 use crate::human::{BodySize, Hands, Stance};
-use crate::path::{Change, Check, Family};
+use crate::path::{Change, Check, End, Family};
 use crate::posture::{Hold, MethodQuality};
 use crate::robot::{
     JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
@@ -361,6 +361,29 @@ pub struct BodyStrain {
     pub l5s1_mean_nm: Spread,
     /// The revised NIOSH lifting equation; none but for both hands.
     pub niosh: Option<LiftAssessment>,
+    /// Share of repetitions that reach only just, or not at all: the hand does not follow, or the centre of
+    /// mass comes to the edge of the feet. People step there.
+    pub stretched_share: Option<f64>,
+    /// The body against the obstacles; none where there are none.
+    pub furniture: Option<FurnitureClearance>,
+}
+
+/// How near the body, but hand and forearm on the handle, comes to the obstacles over the repetitions. The
+/// posture model knows no furniture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FurnitureClearance {
+    /// Least distance over time, m; negative inside.
+    pub distance_m: Spread,
+    /// Depth that cushions and clothes explain, m.
+    pub soft_m: f64,
+    /// Share of repetitions in which a part is deeper inside than that.
+    pub share_inside: f64,
+    /// Part of the body that comes nearest.
+    pub body_part: String,
+    /// Obstacle to which.
+    pub obstacle: String,
+    /// When, s.
+    pub time_s: f64,
 }
 
 /// A figure over repetitions.
@@ -795,6 +818,19 @@ pub struct Recommendations {
     pub repetitions: usize,
     /// Those that clearly lower expected RULA and clearly raise no other score, best first; of each direction the best step.
     pub clear: Vec<Recommendation>,
+    /// Another standing place, where people would step.
+    pub standing: Option<StandingPlace>,
+}
+
+/// A standing place from which fewer repetitions reach only just.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StandingPlace {
+    /// Which way the worker would step.
+    pub way: Way,
+    /// How far, m.
+    pub by_m: f64,
+    /// Share of repetitions that reach only just, now and there.
+    pub stretched_share: [f64; 2],
 }
 
 /// A change with its effect, by scoring method.
@@ -805,6 +841,9 @@ pub struct Recommendation {
     /// Its effect.
     #[serde(flatten)]
     pub effect: PerMethod<Effect>,
+    /// Largest static moment about L5/S1 without and with it, mean over repetitions, N m; none where the
+    /// load changes.
+    pub l5s1_peak_nm: Option<[f64; 2]>,
 }
 
 /// What a change does to one score.
@@ -837,6 +876,13 @@ pub enum CellChange {
         by_m: f64,
         /// Whether the worker sits.
         seated: bool,
+    },
+    /// An end of the movement higher; negative: lower. The path is bent with it.
+    RaiseEnd {
+        /// Which end.
+        end: End,
+        /// By how much, m.
+        by_m: f64,
     },
     /// The worker turned about the vertical; positive to the left.
     TurnWorker {

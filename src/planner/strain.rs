@@ -1,8 +1,10 @@
 //! What the whole body does along a path besides its scores: how far trunk and knees bend, how safely it
 //! stands, what the low back bears, and what the lifting equation says of a lift with both hands.
 
+use super::cell_findings::SOFT_M;
+use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
-use super::result::{BodyStrain, Spread};
+use super::result::{BodyStrain, FurnitureClearance, Spread};
 use crate::ergonomics::{
     LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftTask, assess_lift,
     lift_from_path,
@@ -13,11 +15,17 @@ use crate::math::stats::{mean, quantile};
 use crate::scenario::{Scenario, Variant};
 use crate::survey::{Lens, PostureAngles};
 use crate::trajectory::TimedPath;
+use rayon::prelude::*;
 
 /// Knee flexion from which a repetition counts as one with bent knees, deg (REBA's second class).
 const BENT_DEG: f64 = 60.0;
 /// Lifts a minute where nothing is given: seldom.
 const SELDOM_PER_MIN: f64 = 0.2;
+/// Distance of the centre of mass from the edge of the feet at which a person is taken to stand at the edge, m;
+/// the step solver holds it 1 cm inside.
+const AT_EDGE_M: f64 = 0.015;
+/// Moments of a movement at which the body is held against the obstacles.
+const MOMENTS: usize = 32;
 
 impl Repetitions {
     /// The strain of the repetitions that begin; none where there are none.
@@ -26,6 +34,7 @@ impl Repetitions {
         scenario: &Scenario,
         lens: &Lens,
         (path, variant): (&TimedPath, &Variant),
+        person: &Person,
     ) -> Option<BodyStrain> {
         let begun: Vec<&[PostureAngles]> =
             self.all.iter().map(reached).filter(|a| !a.is_empty()).collect();
@@ -52,11 +61,79 @@ impl Repetitions {
             bent_knees_share: moves.then(|| share(bent)),
             raised_heels_share: moves.then(|| share(raised)),
             balance_margin_m: moves.then(|| spread(&margins).negative()),
-            l5s1_peak_nm: spread(&most(&|a| a.l5s1_nm)),
+            l5s1_peak_nm: spread(&self.l5s1_peaks_nm()),
             l5s1_mean_nm: spread(&moments),
             niosh: lift(scenario, path, variant),
+            stretched_share: self.stretched_share(scenario.worker.pelvis),
+            furniture: self.furniture(scenario, (path, variant), person),
         })
     }
+
+    /// Share of repetitions that reach only just or not at all; none on a pelvis that does not move.
+    pub(super) fn stretched_share(&self, pelvis: Pelvis) -> Option<f64> {
+        let is_stretched = |r: &Repetition| {
+            let at_edge = |a: &PostureAngles| a.margin_m.is_some_and(|m| m < AT_EDGE_M);
+            r.rollout.reach_exceeded_at.is_some() || reached(r).iter().any(at_edge)
+        };
+        let count = self.all.iter().filter(|r| is_stretched(r)).count() as f64;
+        (pelvis == Pelvis::Moves && !self.all.is_empty()).then(|| count / self.all.len() as f64)
+    }
+
+    /// Largest moment about L5/S1 of each repetition that begins, N m.
+    pub(super) fn l5s1_peaks_nm(&self) -> Vec<f64> {
+        let begun = self.all.iter().map(reached).filter(|a| !a.is_empty());
+        begun.map(|a| a.iter().map(|a| a.l5s1_nm).fold(f64::NEG_INFINITY, f64::max)).collect()
+    }
+
+    /// The body against the obstacles; none without obstacles.
+    fn furniture(
+        &self,
+        scenario: &Scenario,
+        (path, variant): (&TimedPath, &Variant),
+        person: &Person,
+    ) -> Option<FurnitureClearance> {
+        let parts = person.parts();
+        let nearest = |r: &Repetition| {
+            let steps = reached(r).len();
+            let last = steps.checked_sub(1)?;
+            let mut moments: Vec<usize> = (0..=MOMENTS).map(|i| i * last / MOMENTS).collect();
+            moments.dedup();
+            let mut best: Option<Touch> = None;
+            for k in moments {
+                let ends = person.placed(&person.pelvis(variant), r.rollout.q[k].as_slice());
+                for (part, [a, b]) in parts.iter().zip(&ends).filter(|(p, _)| !p.is_coupled) {
+                    for (name, obstacle) in &scenario.obstacles {
+                        let distance_m = obstacle.distance_to_capsule(a, b, part.radius_m);
+                        if best.is_none_or(|b| distance_m < b.distance_m) {
+                            best = Some(Touch { distance_m, part: &part.name, name, step: k });
+                        }
+                    }
+                }
+            }
+            best
+        };
+        let found: Vec<Touch> = self.all.par_iter().filter_map(nearest).collect();
+        let least = found.iter().min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))?;
+        let distances: Vec<f64> = found.iter().map(|t| t.distance_m).collect();
+        let inside = distances.iter().filter(|d| **d < -SOFT_M).count();
+        Some(FurnitureClearance {
+            distance_m: spread(&distances),
+            soft_m: SOFT_M,
+            share_inside: inside as f64 / found.len() as f64,
+            body_part: least.part.to_owned(),
+            obstacle: least.name.to_owned(),
+            time_s: path.time_s[least.step],
+        })
+    }
+}
+
+/// Where a body comes nearest to an obstacle.
+#[derive(Clone, Copy)]
+struct Touch<'a> {
+    distance_m: f64,
+    part: &'a str,
+    name: &'a str,
+    step: usize,
 }
 
 /// The frames before the reach is exceeded.

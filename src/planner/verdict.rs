@@ -183,6 +183,7 @@ impl Known<'_> {
         all.extend(self.not_checked());
         all.extend(self.users());
         all.extend(self.reach());
+        all.extend(self.standing());
         all.extend(self.other_bodies());
         all.extend(self.timing());
         all.extend(self.assumptions());
@@ -263,6 +264,28 @@ impl Known<'_> {
             from_s: b.reach_exceeded_from_s.unwrap_or(0.0),
         };
         self.lead.bodies.iter().filter(|b| b.reach_exceeded > 0.0).map(of).collect()
+    }
+
+    /// Where people would step, and where their bodies are in the furniture.
+    fn standing(&self) -> Vec<Finding> {
+        let mut found = Vec::new();
+        for b in &self.lead.bodies {
+            let (body, strain) = (b.body.clone(), b.strain.as_ref());
+            if let Some(share) = strain.and_then(|s| s.stretched_share).filter(|s| *s > SELDOM) {
+                found.push(Finding::StepNeeded { body: body.clone(), share });
+            }
+            let furniture = strain.and_then(|s| s.furniture.as_ref());
+            if let Some(f) = furniture.filter(|f| f.share_inside > SELDOM) {
+                found.push(Finding::InFurniture {
+                    body,
+                    share: f.share_inside,
+                    part: f.body_part.clone(),
+                    obstacle: f.obstacle.clone(),
+                    depth_m: -f.distance_m.p05,
+                });
+            }
+        }
+        found
     }
 
     /// Figures in which another body than that of the verdict is the worst.
@@ -370,6 +393,8 @@ impl Known<'_> {
 
 /// Rows from which a path's acceleration can be told.
 const FEWEST_ROWS: usize = 4;
+/// Share of repetitions up to which a rare one is not told.
+const SELDOM: f64 = 0.05;
 
 /// `b - a` from `a - b`.
 fn turned(d: &PairedDifference) -> PairedDifference {

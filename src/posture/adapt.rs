@@ -64,8 +64,15 @@ impl PostureModel {
             self.law.offset =
                 Some(offset.rows_range(a..).into_owned() - &weights * offset.rows(0, a));
         }
-        let spread = &self.postures.covariance;
+        let spread = &self.postures.covariance.clone();
         let by_posture = slopes(spread, a)?;
+        let by_place = match &self.postures.about_usual {
+            Some(about) => slopes(about, a)?,
+            None => by_posture.clone(),
+        };
+        if let Some(about) = &mut self.postures.about_usual {
+            *about = rest(about, a, &by_place);
+        }
         let mean = &self.postures.mean;
         let (held, free) = (mean.rows(0, a).into_owned(), mean.rows_range(a..).into_owned());
         self.postures.covariance = rest(spread, a, &by_posture);
@@ -73,7 +80,7 @@ impl PostureModel {
         if let Some(attraction) = &mut self.law.attraction {
             *attraction = attraction.regressed(|rows| {
                 let (held, free) = (rows.columns(0, a), rows.columns_range(a..));
-                free - held * by_posture.transpose()
+                free - held * by_place.transpose()
             });
         }
         let factor = &self.law.noise.factor;

@@ -3,7 +3,7 @@
 
 use super::coupling::Coupling;
 use super::grips::Grips;
-use super::hand_path::HandPath;
+use super::hand_path::{HandPath, postures_at};
 use super::law::{PostureLaw, Sampler, Sampling};
 use super::model::{PostureDistribution, PostureModel};
 use super::process::FunctionDraw;
@@ -11,6 +11,7 @@ use super::rollout::{Rollout, roll_out};
 use super::start::Start;
 use crate::math::stream::{Purpose, stream};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,6 +20,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub trait Behaviour: std::fmt::Debug + Sync {
     /// From which postures movements start.
     fn postures(&self) -> &PostureDistribution;
+
+    /// From which of them movements start with the grips (rest frame) at a place.
+    fn postures_at(&self, _: &Coupling, _: &Grips) -> Cow<'_, PostureDistribution> {
+        Cow::Borrowed(self.postures())
+    }
 
     /// Repetitions along grips in the rest frame at times (s): one from each start, numbered
     /// from `first` on.
@@ -93,6 +99,10 @@ impl Behaviour for Modelled<'_> {
         &self.model.postures
     }
 
+    fn postures_at(&self, coupling: &Coupling, grips: &Grips) -> Cow<'_, PostureDistribution> {
+        postures_at((&self.model.law, &self.model.postures), coupling, grips)
+    }
+
     fn repeat(
         &self,
         coupling: &Coupling,
@@ -127,6 +137,10 @@ pub struct Certain<'a> {
 impl Behaviour for Certain<'_> {
     fn postures(&self) -> &PostureDistribution {
         self.postures
+    }
+
+    fn postures_at(&self, coupling: &Coupling, grips: &Grips) -> Cow<'_, PostureDistribution> {
+        postures_at((self.law, self.postures), coupling, grips)
     }
 
     fn repeat(

@@ -98,9 +98,14 @@ fn check(model: &PostureModel) -> Result<(), String> {
             && (m - m.transpose()).amax() < 1e-9 * m.amax()
             && m.clone().cholesky().is_some()
     };
-    for (what, matrix) in
-        [("weight", &model.law.weight), ("posture covariance", &model.postures.covariance)]
-    {
+    let about = &model.postures.about_usual;
+    if about.as_ref().is_some_and(|m| m.shape() != (n, n)) {
+        return Err(format!("covariance about usual postures is not {:?}", (n, n)));
+    }
+    let matrices =
+        [("weight", &model.law.weight), ("posture covariance", &model.postures.covariance)];
+    let about = about.iter().map(|m| ("covariance about usual postures", m));
+    for (what, matrix) in matrices.into_iter().chain(about) {
         if !positive(matrix) {
             return Err(format!("{what} is not symmetric positive definite"));
         }

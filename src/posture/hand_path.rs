@@ -10,11 +10,13 @@ use super::attraction::UsualPosture;
 use super::coupling::Coupling;
 use super::grips::Grips;
 use super::law::PostureLaw;
+use super::model::PostureDistribution;
 use super::noise::Clock;
 use crate::human::mirrored_pose;
 use crate::math::Pose;
 use crate::math::pose::interpolate;
 use nalgebra::DVector;
+use std::borrow::Cow;
 
 /// Longest step of the hand, m.
 const STEP_M: f64 = 0.008;
@@ -141,6 +143,18 @@ impl HandPath {
     /// How many values of the noise a repetition needs, and how far they are apart, s of the clock.
     pub(super) fn noise_grid(&self) -> (usize, f64) {
         self.noise_grid
+    }
+}
+
+/// The postures of a person with the grips (rest frame) at a place.
+pub fn postures_at<'a>(
+    (law, postures): (&PostureLaw, &'a PostureDistribution),
+    coupling: &Coupling,
+    grips: &Grips,
+) -> Cow<'a, PostureDistribution> {
+    match usual_posture(law, coupling, grips) {
+        Some(usual) => postures.near(&usual),
+        None => Cow::Borrowed(postures),
     }
 }
 

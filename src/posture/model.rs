@@ -1,9 +1,11 @@
 //! The posture model: everything learned about one person, with where it came from.
 
+use super::attraction::UsualPosture;
 use super::law::PostureLaw;
 use crate::human::{BodySize, Side};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// A choice of z and W in the conditioned Gaussian; the paper's six, ours, and the plain one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -88,9 +90,30 @@ pub struct PostureDistribution {
     pub mean: DVector<f64>,
     /// Shrunk covariance, n x n, rad^2, positive definite.
     pub covariance: DMatrix<f64>,
+    /// Shrunk covariance about the usual posture at a place of the hand, n x n, rad^2; none where the
+    /// postures of all places are taken together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about_usual: Option<DMatrix<f64>>,
 }
 
 impl PostureDistribution {
+    /// Of all postures, wherever the hand was.
+    pub fn anywhere(mean: DVector<f64>, covariance: DMatrix<f64>) -> Self {
+        Self { mean, covariance, about_usual: None }
+    }
+
+    /// Of the postures with the hand at a place where `usual` is: the more the training says of it, the less
+    /// of the postures elsewhere.
+    pub fn near(&self, usual: &UsualPosture) -> Cow<'_, Self> {
+        let Some(about) = &self.about_usual else { return Cow::Borrowed(self) };
+        let known = usual.trust();
+        let between = |here: f64, anywhere: f64| known * here + (1.0 - known) * anywhere;
+        Cow::Owned(Self::anywhere(
+            usual.posture.zip_map(&self.mean, between),
+            about.zip_map(&self.covariance, between),
+        ))
+    }
+
     /// Mahalanobis distance of a posture (n, rad) to the training postures.
     pub fn mahalanobis(&self, q: &DVector<f64>) -> f64 {
         let d = q - &self.mean;

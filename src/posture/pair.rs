@@ -93,7 +93,15 @@ impl Pair {
     pub fn postures(&self, one: &PostureDistribution) -> Option<PostureDistribution> {
         // In the mirror image the second hand is where the first is.
         let mean = self.joined(&one.mean, &one.mean);
-        Some(PostureDistribution { mean, covariance: self.covariance(&one.covariance)? })
+        let about_usual = match &one.about_usual {
+            Some(about) => Some(self.covariance(about)?),
+            None => None,
+        };
+        Some(PostureDistribution {
+            mean,
+            covariance: self.covariance(&one.covariance)?,
+            about_usual,
+        })
     }
 }
 

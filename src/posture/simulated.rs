@@ -45,23 +45,28 @@ const SPREAD: &[(&str, [f64; 3])] = &[
 const TRUNK_SPREAD: [f64; 3] = [9.0, 3.5, 6.0];
 
 /// The pelvis in the usual posture: forward, up (leg lengths), and its tilt, deg.
-const PELVIS_COMFORT: [f64; 6] = [0.035, -0.008, 0.0, -2.0, 0.0, 0.0];
+const PELVIS_COMFORT: [f64; 6] = [0.035, -0.003, 0.0, -2.0, 0.0, 0.0];
 /// Ways in which a whole body varies: the six coordinates of the pelvis (leg lengths, deg) and the
-/// trunk's rotation as a whole about Z, X, Y (deg), one standard deviation each.
-const WAYS: &[([f64; 6], [f64; 3])] = &[
+/// trunk's rotation as a whole about Z, X, Y (deg), one standard deviation each over all places of the hand;
+/// and what share of it is left where the place is known. [`KNEES`] is bending them.
+const WAYS: &[([f64; 6], [f64; 3], f64)] = &[
     // Bending forward: the pelvis tilts and goes back.
-    ([-0.018, -0.002, 0.0, -6.0, 0.0, 0.0], [-7.0, 0.0, 0.0]),
+    ([-0.018, -0.002, 0.0, -6.0, 0.0, 0.0], [-7.0, 0.0, 0.0], 0.5),
     // Bending the knees.
-    ([-0.010, -0.050, 0.0, -4.0, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+    ([-0.006, -0.022, 0.0, -2.0, 0.0, 0.0], [-0.5, 0.0, 0.0], 0.25),
     // Shifting the weight to a side.
-    ([0.0, -0.001, 0.020, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0]),
+    ([0.0, -0.001, 0.020, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0], 0.7),
     // Turning.
-    ([0.0, 0.0, 0.0, 0.0, 0.0, 4.0], [0.0, 0.0, 5.0]),
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 4.0], [0.0, 0.0, 5.0], 0.7),
     // The trunk alone, and swaying.
-    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [4.0, 0.0, 0.0]),
-    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 3.0, 3.0]),
-    ([0.010, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [4.0, 0.0, 0.0], 1.0),
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 3.0, 3.0], 1.0),
+    ([0.010, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0),
 ];
+/// Which of the ways bends the knees. How readily they are bent for a place goes by the height of the hand
+/// over the hips (over stature): hardly at a bench, more and more below.
+const KNEES: usize = 1;
+const READILY: [(f64, f64); 2] = [(-0.02, 0.2), (-0.32, 1.6)];
 /// What is added to each displacement of the pelvis, leg lengths.
 const PELVIS_FLOOR: f64 = 0.003;
 
@@ -100,7 +105,11 @@ fn simulated(
     let coupling = Coupling::of_person(body, coupled, &[Hold::Rigid], standing)?;
     let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
     let mut mean = comfort(&joints, side);
-    let mut spread = covariance(&joints);
+    let is_whole = coupled.pelvis != Pelvis::Rests;
+    let mut spread =
+        if is_whole { whole_covariance(&joints, |_, _| 1.0) } else { covariance(&joints) };
+    // What differs from one time to the next where the hand is at the same place.
+    let about = is_whole.then(|| whole_covariance(&joints, |_, share| share));
     if let Some(number) = number {
         individual(&joints, number, &mut mean, &mut spread);
         let limits = coupling.limits();
@@ -108,9 +117,9 @@ fn simulated(
             *q = q.clamp(limits.lower[i], limits.upper[i]);
         }
     }
-    let postures = PostureDistribution { mean, covariance: spread.clone() };
+    let mut postures = PostureDistribution::anywhere(mean, spread.clone());
     // Velocities: as the postures spread, with the elbow and the shoulder's flexion tied.
-    let mut weight = spread.clone();
+    let mut weight = about.as_ref().unwrap_or(&spread).clone();
     let flexion = |kind: &str| joints.iter().position(|j| parts(j) == (kind, 0));
     if let (Some(s), Some(e)) = (flexion("Shoulder"), flexion("Elbow")) {
         let tie = -0.6 * (weight[(s, s)] * weight[(e, e)]).sqrt();
@@ -121,8 +130,9 @@ fn simulated(
     let attraction = posture_law(&coupling, &postures, (body, side), places)?;
     let noise = Noise {
         clock: Clock::Hand { speed_m_s: SPEED_RMS_M_S, drift: DRIFT },
-        ..Noise::correlated(noise_factor(&spread), 0.35)
+        ..Noise::correlated(noise_factor(about.as_ref().unwrap_or(&spread)), 0.35)
     };
+    postures.about_usual = about;
     Ok(PostureModel {
         name: "simulated operator (truth)".to_owned(),
         method: Method::FullW,
@@ -208,12 +218,13 @@ fn pelvis_coordinate(joint: &str) -> Option<usize> {
     PELVIS_JOINTS.iter().position(|p| *p == joint)
 }
 
-/// Posture covariance of a whole body: [`WAYS`] of pelvis and trunk, independent arm joints, a floor.
-fn whole_covariance(joints: &[String]) -> DMatrix<f64> {
+/// Posture covariance of a whole body: [`WAYS`] of pelvis and trunk, each as far as `size` says of its
+/// number and share, independent arm joints, a floor.
+fn whole_covariance(joints: &[String], size: impl Fn(usize, f64) -> f64) -> DMatrix<f64> {
     let n = joints.len();
     let total: f64 = SPINE_SHARE.iter().sum();
     let mut sum = DMatrix::zeros(n, n);
-    for (pelvis, trunk) in WAYS {
+    for (number, (pelvis, trunk, share)) in WAYS.iter().enumerate() {
         let of = |j: &String| {
             let (kind, axis) = parts(j);
             let spine = ["L5S1", "L4L3", "L1T12", "T9T8"].iter().position(|s| *s == kind);
@@ -224,7 +235,7 @@ fn whole_covariance(joints: &[String]) -> DMatrix<f64> {
                 _ => 0.0,
             }
         };
-        let way = DVector::from_iterator(n, joints.iter().map(of));
+        let way = DVector::from_iterator(n, joints.iter().map(of)) * size(number, *share);
         sum += &way * way.transpose();
     }
     for (i, joint) in joints.iter().enumerate() {
@@ -240,9 +251,6 @@ fn whole_covariance(joints: &[String]) -> DMatrix<f64> {
 
 /// Posture covariance, rad^2: the trunk of rank three, independent arm joints, a small floor.
 fn covariance(joints: &[String]) -> DMatrix<f64> {
-    if joints.iter().any(|j| pelvis_coordinate(j).is_some()) {
-        return whole_covariance(joints);
-    }
     let n = joints.len();
     let total: f64 = SPINE_SHARE.iter().sum();
     let share = |joint: &str| {
@@ -276,6 +284,12 @@ fn noise_factor(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     })
 }
 
+/// How readily the knees are bent for a hand at a height over the hips, over stature.
+fn readily(up: f64) -> f64 {
+    let [(high, least), (low, most)] = READILY;
+    least + (most - least) * ((high - up) / (high - low)).clamp(0.0, 1.0)
+}
+
 /// Where the usual postures are worked out: heights over the hips, distances ahead and to the own side,
 /// all over stature.
 struct Places {
@@ -306,7 +320,15 @@ fn posture_law(
     let h = body.size.stature_m;
     let out = if side == Side::Right { 1.0 } else { -1.0 };
     let (mut hands, mut rows) = (Vec::new(), Vec::new());
+    let joints: Vec<String> = coupling.joints().map(str::to_owned).collect();
+    let is_whole = joints.iter().any(|j| pelvis_coordinate(j).is_some());
     for &up in places.up {
+        let there = is_whole.then(|| {
+            let knees = readily(up);
+            let covariance = whole_covariance(&joints, |n, _| if n == KNEES { knees } else { 1.0 });
+            PostureDistribution::anywhere(postures.mean.clone(), covariance)
+        });
+        let postures = there.as_ref().unwrap_or(postures);
         for &forward in places.forward {
             for &sideways in places.sideways {
                 let at = Vec3::new(forward * h, up * h, out * sideways * h);

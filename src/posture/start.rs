@@ -54,6 +54,15 @@ pub struct Start {
     pub is_unusual: bool,
 }
 
+impl Start {
+    /// The same start among other postures, such as those of all places.
+    #[must_use]
+    pub fn among(self, postures: &PostureDistribution) -> Self {
+        let distance = self.q.as_ref().map_or(f64::INFINITY, |q| postures.mahalanobis(q));
+        Self { distance, is_unusual: distance > postures.unusual_distance(), ..self }
+    }
+}
+
 /// Start postures of some people for grips in the rest frame. Draw r depends on (seed, block, r) and on
 /// the start pose only, so every path from the same start meets the same people.
 pub fn start_postures(
@@ -78,8 +87,7 @@ pub fn start_postures(
                 _ => postures.mean.clone(),
             };
             let q = reach(coupling, postures, &wish, hand);
-            let distance = q.as_ref().map_or(f64::INFINITY, |q| postures.mahalanobis(q));
-            Start { q, distance, is_unusual: distance > postures.unusual_distance() }
+            Start { q, distance: 0.0, is_unusual: false }.among(postures)
         })
         .collect()
 }

@@ -54,6 +54,7 @@ pub(super) fn recommendations(view: &View) -> Markup {
     };
     html! {
         (drivers)
+        @if let Some(place) = &found.standing { p { (words::cell::standing_place(place)) } }
         @if found.clear.is_empty() {
             p { (tried(found)) " None clearly lowers expected RULA by 0.02 or more without clearly raising another score." }
         } @else {
@@ -66,13 +67,15 @@ pub(super) fn recommendations(view: &View) -> Markup {
                             th.n scope="col" { "Expected " (m.name()) span.small { "change, 95 % interval" } }
                             th.n scope="col" { "Time at " (m.name()) " level 3+" }
                         }
+                        th.n scope="col" { "Peak moment about L5/S1" span.small { "N m" } }
                     } }
                     tbody { @for r in &found.clear { (row(r)) } }
                 }
             }
         }
         p.note {
-            "Each change is made alone, with path and robot unchanged and on the same repetitions. Changes that cost reach or \
+            "Each change is made alone, with path and robot unchanged and on the same repetitions; where an end is raised, the path is bent with it and \
+             the robot is not checked again. Changes that cost reach or \
              bring the worker too close to the robot are left out. Check that your cell has room for them. Use " code { "[free]" } " \
              to let the planner combine several."
         }
@@ -81,7 +84,7 @@ pub(super) fn recommendations(view: &View) -> Markup {
 
 fn tried(found: &Recommendations) -> String {
     format!(
-        "{} small changes of the worker's place, the handle and the load were tried on the best path ({} repetitions \
+        "{} small changes of the worker's place, of the heights of start and goal, of the handle and the load were tried on the best path ({} repetitions \
          each).",
         found.tried, found.repetitions
     )
@@ -98,6 +101,7 @@ fn row(r: &Recommendation) -> Markup {
                 }
                 td.n { (percent(e.high[0])) " \u{2192} " (percent(e.high[1])) }
             }
+            td.n { @if let Some([now, then]) = r.l5s1_peak_nm { (format!("{now:.0} \u{2192} {then:.0}")) } @else { "\u{2013}" } }
         }
     }
 }

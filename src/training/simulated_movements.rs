@@ -16,8 +16,8 @@ use crate::math::pose::interpolate;
 use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, StartRule, natural_grip, roll_out,
-    simulated_operator, simulated_whole_operator, start_postures,
+    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, StartRule, natural_grip,
+    postures_at, roll_out, simulated_operator, simulated_whole_operator, start_postures,
 };
 use nalgebra::UnitQuaternion;
 use rand::RngExt as _;
@@ -161,7 +161,9 @@ impl SimulatedMovements {
             })
             .collect();
         let rule = StartRule::Sampled;
-        let starts = start_postures(coupling, &operator.postures, &rule, from, (*seed, draw), 0..1);
+        let all = (&operator.law, &operator.postures);
+        let postures = postures_at(all, coupling, &from.into());
+        let starts = start_postures(coupling, &postures, &rule, from, (*seed, draw), 0..1);
         let start = starts.first().filter(|s| s.q.is_some() && !s.is_unusual)?;
         let sampler = Sampler::new(&operator.law, Sampling::Pathwise)?;
         let path = HandPath::new(coupling, &operator.law, times.clone(), hands);

@@ -118,11 +118,35 @@ pub fn learn_postures(frames: &[&Frame]) -> PostureDistribution {
     let n = frames.first().map_or(0, |f| f.q.len());
     let mean = frames.iter().fold(DVector::zeros(n), |sum, f| sum + &f.q) / frames.len() as f64;
     let centred: Vec<DVector<f64>> = frames.iter().map(|f| &f.q - &mean).collect();
-    let full = covariance(&centred);
+    PostureDistribution::anywhere(mean, shrunk(covariance(&centred)))
+}
+
+fn shrunk(full: DMatrix<f64>) -> DMatrix<f64> {
     let diagonal = DMatrix::from_diagonal(&full.diagonal());
-    let floor = DMatrix::identity(n, n) * POSTURE_FLOOR_RAD.powi(2);
-    let covariance = full * (1.0 - POSTURE_SHRINKAGE) + diagonal * POSTURE_SHRINKAGE + floor;
-    PostureDistribution { mean, covariance }
+    let floor = DMatrix::identity(full.nrows(), full.nrows()) * POSTURE_FLOOR_RAD.powi(2);
+    full * (1.0 - POSTURE_SHRINKAGE) + diagonal * POSTURE_SHRINKAGE + floor
+}
+
+/// Shrunk covariance about the usual posture at the hand's place, learned without the frame's trial: each
+/// frame counts as far as the usual posture is known there. None without a pull or without other trials.
+pub(super) fn learn_about_usual(
+    dataset: &Dataset,
+    settings: &TrainSettings,
+) -> Option<DMatrix<f64>> {
+    let stature_m = dataset.coupling.stature_m();
+    let (mut sum, mut known) = (None, 0.0);
+    for fold in dataset.held_out() {
+        let attraction = learn_attraction(dataset, &dataset.select(&fold.train), settings)?;
+        for frame in sparse(&dataset.select(&fold.test)) {
+            let usual = attraction.usual_posture(&frame.hand, stature_m);
+            let (weight, off) = (usual.trust(), &frame.q - usual.posture);
+            let n = off.len();
+            let sum = sum.get_or_insert_with(|| DMatrix::zeros(n, n));
+            sum.ger(weight, &off, &off, 1.0);
+            known += weight;
+        }
+    }
+    sum.filter(|_| known > 0.0).map(|sum| shrunk(sum / known))
 }
 
 #[cfg(test)]

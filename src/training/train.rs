@@ -11,8 +11,9 @@ use super::evaluate::{Judging, MethodScore, evaluate};
 use super::methods::{Law, learn_laws};
 use super::rollout_check::{LearnedRepetitions, learn_repetitions};
 use super::settings::{PullRule, TrainSettings};
-use super::spread::{learn_attraction, learn_postures};
+use super::spread::{learn_about_usual, learn_attraction, learn_postures};
 use crate::files::InputError;
+use crate::human::PELVIS_JOINTS;
 use crate::math::stats::mean;
 use crate::posture::{
     Clock, Drift, Method, MethodQuality, Noise, PostureDistribution, PostureLaw, PostureModel,
@@ -74,6 +75,10 @@ pub fn learn(
     provenance.settings.extend(described(settings, &law, &repetitions, dataset));
     provenance.notes.extend(notes(dataset, &law, &repetitions, settings));
     let postures = learn_postures(&all);
+    // A whole person's postures are too many to be taken together: who bends for the floor does not at a bench.
+    let is_whole = dataset.joints.iter().any(|j| PELVIS_JOINTS.contains(&j.as_str()));
+    let about_usual =
+        if is_whole && repetitions.is_pulled { learn_about_usual(dataset, settings) } else { None };
     let weight = symmetric(&rounded_matrix(&law.law.weight));
     Ok(PostureModel {
         name: name.to_owned(),
@@ -100,6 +105,7 @@ pub fn learn(
         postures: PostureDistribution {
             mean: postures.mean.map(|v| rounded(v, DIGITS)),
             covariance: symmetric(&rounded_matrix(&postures.covariance)),
+            about_usual: about_usual.map(|about| symmetric(&rounded_matrix(&about))),
         },
         quality: Vec::new(),
         provenance,

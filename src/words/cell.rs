@@ -1,7 +1,9 @@
 //! Inputs of the scores, changes of the cell and postures to look at.
 
 use crate::human::Hands;
-use crate::planner::{Alternative, CellChange, MomentKind, ScoreInput, Way};
+use crate::planner::{
+    Alternative, CellChange, MomentKind, Recommendation, ScoreInput, StandingPlace, Way,
+};
 use crate::scenario::{Origin, OtherArm};
 use crate::survey::NeckRule;
 
@@ -78,6 +80,25 @@ pub fn origin(origin: Origin) -> &'static str {
     }
 }
 
+/// A standing place from which fewer repetitions reach only just.
+pub fn standing_place(place: &StandingPlace) -> String {
+    let [now, then] = place.stretched_share.map(super::number::percent);
+    format!(
+        "In {now} of the repetitions people would step. {}, and they would in {then}.",
+        super::number::capital(&cell_change(&CellChange::MoveWorker {
+            way: place.way,
+            by_m: place.by_m,
+            seated: false
+        }))
+    )
+}
+
+/// The moment about L5/S1 without and with a change, where it was looked at.
+pub fn low_back(r: &Recommendation) -> Option<String> {
+    let [now, then] = r.l5s1_peak_nm?;
+    Some(format!("peak moment about L5/S1 {now:.0} \u{2192} {then:.0} N m"))
+}
+
 /// A change of the cell, as an instruction.
 pub fn cell_change(c: &CellChange) -> String {
     match c {
@@ -101,6 +122,10 @@ pub fn cell_change(c: &CellChange) -> String {
                 (true, true) => format!("raise the seat by {cm:.0} cm"),
                 (true, false) => format!("lower the seat by {cm:.0} cm"),
             }
+        }
+        CellChange::RaiseEnd { end, by_m } => {
+            let verb = if *by_m > 0.0 { "raise" } else { "lower" };
+            format!("{verb} the {} by {:.0} cm", super::end(*end), 100.0 * by_m.abs())
         }
         CellChange::TurnWorker { by_rad: by } => {
             let side = if *by > 0.0 { "left" } else { "right" };
@@ -134,6 +159,7 @@ mod tests {
         for change in [
             CellChange::MoveWorker { way: Way::Nearer, by_m, seated },
             CellChange::RaiseWorker { by_m, seated },
+            CellChange::RaiseEnd { end: crate::path::End::Start, by_m: 0.2 },
             CellChange::TurnWorker { by_rad: -0.2 },
             CellChange::TurnHandle { by_rad: 0.1 },
             CellChange::HalveLoad { load_kg: 1.5 },

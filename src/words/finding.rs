@@ -35,6 +35,17 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
              they count as the worst score.",
             percent(*share)
         ),
+        Finding::StepNeeded { body, share } => format!(
+            "In {} of the repetitions {body} reaches only just, at the edge of balance or beyond: people step there. \
+             Here the feet stay where they are.",
+            percent(*share)
+        ),
+        Finding::InFurniture { body, share, part, obstacle, depth_m } => format!(
+            "In {} of the repetitions a part of {body} is inside an obstacle, the {part} in `{obstacle}` by \
+             {:.0} cm: the posture model does not know furniture, so this posture is not possible there.",
+            percent(*share),
+            100.0 * depth_m
+        ),
         Finding::OtherBodyWorse { body, method, figure, value, verdict_value } => {
             other_body(body, *method, *figure, [*value, *verdict_value])
         }

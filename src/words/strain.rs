@@ -39,6 +39,21 @@ pub fn lines(s: &BodyStrain) -> Vec<(&'static str, String)> {
             s.l5s1_mean_nm.median
         ),
     ));
+    if let Some(f) = &s.furniture {
+        let cm = |m: f64| format!("{:.0} cm", 100.0 * m.abs());
+        let nearest = if f.distance_m.median < 0.0 { "inside by" } else { "at least" };
+        let sentence = format!(
+            "the body but the leading forearm and hand: {nearest} {} in the median repetition ({} and `{}` come nearest, at {:.2} s); \
+             deeper inside than {} in {} of repetitions",
+            cm(f.distance_m.median),
+            f.body_part,
+            f.obstacle,
+            f.time_s,
+            cm(f.soft_m),
+            percent(f.share_inside)
+        );
+        all.push(("furniture", sentence));
+    }
     if let Some(lift) = &s.niosh {
         let index = lift.lifting_index.map_or_else(
             || "no load is acceptable".to_owned(),

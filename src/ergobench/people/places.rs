@@ -45,7 +45,7 @@ impl Places {
                     let mut rng = stream(number, Purpose::Simulation, 8, found.len() as u32);
                     let z = DVector::from_vec(normals(&mut rng, whims.ncols()));
                     let wish = &usual.mean + whims * z;
-                    let near = PostureDistribution { mean: wish, covariance: ease.clone() };
+                    let near = PostureDistribution::anywhere(wish, ease.clone());
                     let hand = Pose::from_parts((at * stature_m).into(), *grip);
                     let starts =
                         start_postures(coupling, &near, &StartRule::Mean, hand, (0, 0), 0..1);

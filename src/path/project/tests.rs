@@ -222,7 +222,7 @@ proptest! {
 
 #[test]
 fn what_once_gave_no_answer_is_projected() {
-    let goal = (0.0, 0.15297038187865178, -0.08907729297541611);
+    let goal = (0.0, 0.152_970_381_878_651_78, -0.089_077_292_975_416_11);
     each_passes_the_independent_check(286_448, goal, 0.0, (1.5, 160), false, 0.02).unwrap();
 }
 
