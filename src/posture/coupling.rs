@@ -267,6 +267,13 @@ impl Coupling {
         ground.legs.excess(&bending)
     }
 
+    /// By how much the legs are beyond their bounds at the posture of `frames`, m and rad.
+    pub(super) fn legs_beyond(&self, frames: &Frames) -> (f64, f64) {
+        let Some(ground) = &self.ground else { return (0.0, 0.0) };
+        let (at, turn) = self.chain.tip_frame(frames, ground.tip);
+        ground.legs.excess(&ground.legs.bending(&at, &turn))
+    }
+
     /// What the task prescribes of a twist or pose error of each hand given in base axes.
     fn task_part(&self, errors: &[(Vec6, Pose)]) -> DVector<f64> {
         let mut part = Vec::with_capacity(self.rows());

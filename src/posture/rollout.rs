@@ -197,7 +197,7 @@ impl State<'_> {
         } else {
             let task = self.coupling.task_error(&self.here.seen.grips, &b.target);
             self.step(None, &task, &wish)?;
-            self.error = self.correct(&b.target)?;
+            self.error = self.correct(&b.target, Spot::bound)?;
         }
         Ok(())
     }
@@ -257,7 +257,8 @@ impl State<'_> {
         let error = if self.law.is_direct {
             Ok(self.coupling.task_error(&self.here.seen.grips, target))
         } else {
-            self.correct(target)
+            // The bounds are needed only where a step follows.
+            self.correct(target, |here, coupling| coupling.legs_beyond(&here.frames))
         };
         let q = self.here.q.clone();
         std::mem::swap(&mut self.here, &mut self.aside);
@@ -296,13 +297,17 @@ impl State<'_> {
 
     /// Newton corrections when the curvature of the step has taken the hand off the path, or a leg that it
     /// stretched beyond its range.
-    fn correct(&mut self, target: &Grips) -> Result<DVector<f64>, ReachExceeded> {
+    fn correct(
+        &mut self,
+        target: &Grips,
+        legs_beyond: fn(&mut Spot, &Coupling) -> (f64, f64),
+    ) -> Result<DVector<f64>, ReachExceeded> {
         let linear = self.coupling.linear_rows();
         for left in (0..5).rev() {
             let error = self.coupling.task_error(&self.here.seen.grips, target);
             let metres = error.rows(0, linear).norm();
             let radians = error.rows_range(linear..).norm();
-            let (short_m, leg) = self.here.bound(self.coupling);
+            let (short_m, leg) = legs_beyond(&mut self.here, self.coupling);
             let metres = metres.max(short_m);
             if metres <= CORRECT_BEYOND_M
                 && radians <= 4.0 * CORRECT_BEYOND_M
