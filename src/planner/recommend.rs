@@ -222,3 +222,25 @@ fn is_one_direction(a: &CellChange, b: &CellChange) -> bool {
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::minimum_jerk_line;
+
+    #[test]
+    fn a_raised_end_bends_the_path_and_leaves_the_other_end() {
+        let ends = [Pose::translation(0.4, -0.3, 0.9), Pose::translation(0.4, 0.5, 0.9)];
+        let path = minimum_jerk_line(&ends[0], &ends[1], 4.0, 20).unwrap();
+        for (end, [first, middle, last]) in
+            [(End::Start, [1.1, 1.0, 0.9]), (End::Goal, [0.9, 1.0, 1.1])]
+        {
+            let bent = raised(&path, end, 0.2);
+            let z = |i: usize| bent.poses[i].translation.vector.z;
+            for (found, wanted) in [(z(0), first), (z(10), middle), (z(20), last)] {
+                assert!((found - wanted).abs() < 1e-9, "{end:?} {found} {wanted}");
+            }
+            assert_eq!(bent.time_s, path.time_s);
+        }
+    }
+}

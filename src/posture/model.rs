@@ -238,3 +238,25 @@ pub fn joint_group(joint: &str) -> &'static str {
         "spine"
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn postures_near_a_place_are_its_own_as_far_as_it_is_known() {
+        let all = PostureDistribution {
+            about_usual: Some(DMatrix::identity(2, 2) * 0.1),
+            ..PostureDistribution::anywhere(DVector::zeros(2), DMatrix::identity(2, 2))
+        };
+        let posture = DVector::from_vec(vec![0.4, -0.2]);
+        let at = |confidence: f64| {
+            all.near(&UsualPosture { posture: posture.clone(), confidence }).into_owned()
+        };
+        let (unknown, half, known) = (at(0.0), at(0.5f64.sqrt()), at(1.0));
+        assert_eq!((&unknown.mean, &unknown.covariance), (&all.mean, &all.covariance));
+        assert_eq!((&known.mean, Some(&known.covariance)), (&posture, all.about_usual.as_ref()));
+        assert!((half.mean - posture * 0.5).amax() < 1e-12);
+        assert!((half.covariance - DMatrix::identity(2, 2) * 0.55).amax() < 1e-12);
+    }
+}
