@@ -1,4 +1,5 @@
-//! Recorded movements: MVNX exports and rigid-body CSV folders become one neutral type.
+//! Recorded movements: MVNX exports, Acclaim motions and rigid-body CSV folders become one neutral
+//! type.
 //!
 //! A [`Recording`] holds segment poses of one person in ISB segment axes, whatever the file used.
 //! The axes of every segment are x forward, y up (towards the proximal joint of a hanging limb) and
@@ -8,6 +9,7 @@
 //!
 //! Nothing is filtered or resampled here, and nothing that could name a person is kept.
 
+mod acclaim;
 mod axes;
 mod checks;
 mod mvnx;
@@ -27,9 +29,10 @@ use std::path::Path;
 pub struct Recording {
     /// Name of the file or folder read, without its path.
     pub source: String,
-    /// `MVNX v3`, `MVNX v4` or `rigid-body CSV`.
+    /// `MVNX v3`, `MVNX v4`, `Acclaim ASF/AMC` or `rigid-body CSV`.
     pub format: &'static str,
-    /// SHA-256 of the bytes read; of a folder: of the person's files joined in order of their names.
+    /// SHA-256 of the bytes read; of a folder: of the person's files joined in order of their names;
+    /// of an Acclaim motion: of its skeleton and itself joined.
     pub sha256: String,
     /// Frames per second, Hz.
     pub rate_hz: f64,
@@ -71,38 +74,48 @@ impl Recording {
     }
 }
 
-/// Reads a recording: an `.mvnx` file (version 3 or 4), or a folder of rigid-body CSV files.
+/// Reads a recording: an `.mvnx` file (version 3 or 4), an `.amc` file with its skeleton, or a folder
+/// of rigid-body CSV files.
 ///
-/// `person` picks one of several people in a folder and may be left out if there is only one; an
-/// MVNX file holds one person without a name. Folders are read at [`RIGID_BODY_RATE_HZ`]; use
+/// The skeleton of `X.amc` is `X.asf` beside it, or the only .asf there whose name `X` begins with.
+/// `person` picks one of several people in a folder and may be left out if there is only one; a file
+/// holds one person without a name. Folders are read at [`RIGID_BODY_RATE_HZ`]; use
 /// [`read_rigid_bodies`] for another rate.
 pub fn read(path: &Path, person: Option<&str>) -> Result<Recording, InputError> {
     if path.is_dir() {
         return read_rigid_bodies(path, person, RIGID_BODY_RATE_HZ);
     }
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let known = "known are .mvnx files (version 3 or 4) and folders of rigid-body CSV files named \
-                 <person>_<body>_pose_saved.csv";
-    match extension.as_str() {
-        "mvnx" => match person {
-            None => mvnx::read(path),
-            Some(name) => Err(InputError::new(
-                path,
-                format!("holds one unnamed person, so person `{name}` cannot be picked"),
-            )
-            .remedy("leave the person out for MVNX files")),
-        },
-        _ if !path.exists() => Err(InputError::new(path, "cannot be read: no such file or folder")
-            .remedy("check the path; paths inside a scenario are relative to the scenario file")),
-        "csv" => Err(InputError::new(path, "is one body of a rigid-body recording")
-            .remedy("give the folder that holds the CSV files of all bodies instead")),
-        "mvn" => Err(InputError::new(path, "is a recording in its maker's own binary format")
-            .remedy("export it as MVNX with position and orientation of the segments")),
-        "" => Err(InputError::new(path, "has no extension that tells its kind").remedy(known)),
-        other => {
-            Err(InputError::new(path, format!("`.{other}` is no kind of recording known here"))
-                .remedy(known))
-        }
+    match (extension.as_str(), person) {
+        ("mvnx", None) => mvnx::read(path),
+        ("amc", None) => acclaim::read(path),
+        ("mvnx" | "amc", Some(name)) => Err(InputError::new(
+            path,
+            format!("holds one unnamed person, so person `{name}` cannot be picked"),
+        )
+        .remedy(format!("leave the person out for .{extension} files"))),
+        (other, _) => Err(refusal(path, other)),
+    }
+}
+
+/// Why a file of no known kind is not read.
+fn refusal(path: &Path, extension: &str) -> InputError {
+    let known = "known are .mvnx files (version 3 or 4), .amc files with their .asf, and folders of \
+                 rigid-body CSV files named <person>_<body>_pose_saved.csv";
+    if !path.exists() {
+        return InputError::new(path, "cannot be read: no such file or folder")
+            .remedy("check the path; paths inside a scenario are relative to the scenario file");
+    }
+    match extension {
+        "csv" => InputError::new(path, "is one body of a rigid-body recording")
+            .remedy("give the folder that holds the CSV files of all bodies instead"),
+        "mvn" => InputError::new(path, "is a recording in its maker's own binary format")
+            .remedy("export it as MVNX with position and orientation of the segments"),
+        "asf" => InputError::new(path, "is a skeleton without its motion")
+            .remedy("give the .amc file beside it"),
+        "" => InputError::new(path, "has no extension that tells its kind").remedy(known),
+        other => InputError::new(path, format!("`.{other}` is no kind of recording known here"))
+            .remedy(known),
     }
 }
 
@@ -125,6 +138,7 @@ mod tests {
             ("walk", "no extension"),
             ("giver_hip_pose_saved.csv", "one body"),
             ("walk.mvn", "binary format"),
+            ("walk.asf", "without its motion"),
         ] {
             let path = room.path().join(name);
             std::fs::write(&path, b"x").unwrap();

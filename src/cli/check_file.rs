@@ -14,7 +14,7 @@ use crate::words::number::percent;
 use std::path::Path;
 
 const KNOWN: &str = "known are scenarios and planners (TOML), bodies and robots (URDF), posture models and results \
-                     (JSON), recordings (MVNX, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
+                     (JSON), recordings (MVNX, AMC, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
 
 /// A file in words.
 pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
@@ -28,7 +28,7 @@ pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
         "yaml" | "yml" => trajectory(path),
         "urdf" => urdf(path),
         "csv" => table(path),
-        "mvnx" | "mvn" => Ok(recording(&read(path, None)?)),
+        "mvnx" | "mvn" | "amc" | "asf" => Ok(recording(&read(path, None)?)),
         _ => {
             read_bytes(path)?;
             Err(InputError::new(path, "is no kind of file that ergopath knows").remedy(KNOWN))

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Recordings of one person: MVNX files, folders of rigid-body CSV files, or joint-motion CSV
-    /// files.
+    /// Recordings of one person: MVNX files, AMC files with their ASF, folders of rigid-body CSV
+    /// files, or joint-motion CSV files.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
     /// Body of the person: a shipped one by name, or a URDF made by `ergopath body`.

@@ -30,6 +30,28 @@ pub const SEGMENT_NAMES: [&str; 23] = [
     "LeftToe",
 ];
 
+/// A segment and the one that follows it on the main chain.
+pub(super) const NEXT: [(&str, &str); 18] = [
+    ("Pelvis", "L5"),
+    ("L5", "L3"),
+    ("L3", "T12"),
+    ("T12", "T8"),
+    ("T8", "Neck"),
+    ("Neck", "Head"),
+    ("RightShoulder", "RightUpperArm"),
+    ("RightUpperArm", "RightForeArm"),
+    ("RightForeArm", "RightHand"),
+    ("LeftShoulder", "LeftUpperArm"),
+    ("LeftUpperArm", "LeftForeArm"),
+    ("LeftForeArm", "LeftHand"),
+    ("RightUpperLeg", "RightLowerLeg"),
+    ("RightLowerLeg", "RightFoot"),
+    ("RightFoot", "RightToe"),
+    ("LeftUpperLeg", "LeftLowerLeg"),
+    ("LeftLowerLeg", "LeftFoot"),
+    ("LeftFoot", "LeftToe"),
+];
+
 /// MVNX segment axes (x forward, y left, z up) from ISB axes (x forward, y up, z right).
 ///
 /// The zero of MVNX v3 is already the anatomical pose with palms forward: in the calibration frame

@@ -1,6 +1,6 @@
 //! MVNX files, versions 3 and 4: from the file's own axes to a recording.
 
-use super::axes::{SEGMENT_NAMES, mvnx_from_isb};
+use super::axes::{NEXT, SEGMENT_NAMES, mvnx_from_isb};
 use super::checks::{make_continuous, note_oddities, sort_segments};
 use super::mvnx_parse::{Export, parse};
 use super::{Recording, SegmentTrack, bare_name};
@@ -12,28 +12,6 @@ use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
-
-/// A segment and the one that follows it on the main chain; they share a joint centre by label.
-const NEXT: [(&str, &str); 18] = [
-    ("Pelvis", "L5"),
-    ("L5", "L3"),
-    ("L3", "T12"),
-    ("T12", "T8"),
-    ("T8", "Neck"),
-    ("Neck", "Head"),
-    ("RightShoulder", "RightUpperArm"),
-    ("RightUpperArm", "RightForeArm"),
-    ("RightForeArm", "RightHand"),
-    ("LeftShoulder", "LeftUpperArm"),
-    ("LeftUpperArm", "LeftForeArm"),
-    ("LeftForeArm", "LeftHand"),
-    ("RightUpperLeg", "RightLowerLeg"),
-    ("RightLowerLeg", "RightFoot"),
-    ("RightFoot", "RightToe"),
-    ("LeftUpperLeg", "LeftLowerLeg"),
-    ("LeftLowerLeg", "LeftFoot"),
-    ("LeftFoot", "LeftToe"),
-];
 
 /// Passes bytes on and hashes them, so that a file is read once and never held whole.
 struct Hashing<R> {
