@@ -17,7 +17,7 @@ use crate::human::{
 };
 use crate::kinematics::{Frames, Linkage};
 use crate::math::{Pose, Rotation, Vec3};
-use head::Sight;
+pub(crate) use head::Sight;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -28,12 +28,12 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "lowercase")]
 pub enum NeckRule {
     /// As recorded people hold it, given trunk and hand.
+    #[default]
     Predicted,
     /// As predicted, and turned on so far that the eyes find the part.
     #[schemars(skip)]
     Looking,
     /// In line with the trunk.
-    #[default]
     Neutral,
     /// Turned to the hand, within the joint limits.
     Gaze,

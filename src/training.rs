@@ -26,6 +26,8 @@ mod fit_notes;
 mod fit_report;
 #[cfg(test)]
 mod fit_tests;
+#[cfg(test)]
+mod head_tests;
 mod held_out_curves;
 mod methods;
 mod motion_file;

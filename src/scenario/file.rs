@@ -167,12 +167,12 @@ pub(super) struct WorkerFile {
     /// `sampled` (default), `mean`, or a CSV of joint angles.
     #[serde(default = "sampled")]
     pub start_posture: PosturePick,
-    /// How the head is held; default in line with the trunk.
+    /// How the head is held; default as predicted.
     #[serde(default)]
     pub neck: NeckRule,
     /// What the task needs the eyes on: the head follows as far as they ask; default nothing.
     pub look_at: Option<LookAt>,
-    /// What is known of the arm that does not hold the robot; default unknown, not scored.
+    /// What is known of the arm that does not hold the robot; default as predicted.
     #[serde(default)]
     pub other_arm: OtherArm,
 }
@@ -224,11 +224,11 @@ pub(super) enum StanceFile {
 #[serde(rename_all = "lowercase")]
 pub enum OtherArm {
     /// As predicted: it hangs under its shoulder, whatever the trunk does.
+    #[default]
     Predicted,
     /// Hanging at the side, as the scenario says.
     Hanging,
     /// Nothing: it is not scored.
-    #[default]
     Unknown,
 }
 

@@ -27,6 +27,7 @@ mod inputs_cli;
 #[cfg(feature = "peers")]
 mod kinematics_peer;
 mod layers;
+mod moved_worlds;
 #[cfg(unix)]
 mod outputs_cli;
 mod plan_cli;

@@ -114,3 +114,18 @@ fn heights_for_bent_legs_are_refused_in_words() {
         assert!(hints.contains(&Hint::NeedsBentLegs), "{family:?}: {hints:?}");
     }
 }
+
+/// A low bin with a person whose knees bend. (Shelves from so low to so high are beyond that robot.)
+#[test]
+fn a_whole_person_is_planned_at_a_height_for_bent_legs() {
+    let mut rng = stream(1, Purpose::Simulation, 0, 0);
+    let station = draw(Family::LowBin, 0, true, &mut rng);
+    let room = tempfile::tempdir().unwrap();
+    let file = room.path().join("scenario.toml");
+    std::fs::write(&file, station.scenario("male_p95", "whole_operator", 1)).unwrap();
+    let result = run(&read_scenario(&file).unwrap(), &request(tiny()));
+    let best = result.candidates.iter().find(|c| c.rank == Some(1));
+    let body = &best.unwrap_or_else(|| panic!("{:?}", result.verdict.hints)).bodies[0];
+    let knee = body.strain.as_ref().unwrap().knee_flexion_deg.unwrap().median;
+    assert!(body.reach_exceeded < 0.1 && knee > 20.0, "{knee} deg, {}", body.reach_exceeded);
+}

@@ -25,10 +25,27 @@ fn every_shipped_scenario_ends_in_a_report() {
             let output = room.path().join(path.file_stem().unwrap());
             plan(&path, &output, "quick").assert().success();
             assert!(output.join("report.html").is_file());
+            assert_possible(&output.join("result.json"));
             count += 1;
         }
     }
     assert!(count >= 3);
+}
+
+/// Hands on their paths and people in balance, in every repetition of every path that is reported.
+fn assert_possible(place: &Path) {
+    let result = ergopath::planner::read_result(place).unwrap();
+    let mut seen = 0;
+    for (path, body) in result.candidates.iter().flat_map(|c| c.bodies.iter().map(move |b| (c, b)))
+    {
+        let name = format!("{}, {} of {}", place.display(), body.body, path.id);
+        seen += body.rollouts;
+        assert!(body.hand_residual_max_mm < 1.0, "{name}: {} mm", body.hand_residual_max_mm);
+        if let Some(margin) = body.strain.as_ref().and_then(|s| s.balance_margin_m) {
+            assert!(margin.p05 > 0.0, "{name}: {margin:?}");
+        }
+    }
+    assert!(seen > 0);
 }
 
 #[test]
