@@ -7,7 +7,7 @@ use crate::math::{Pose, Vec3, stats};
 use crate::recording;
 use crate::skips::shared;
 use crate::survey::{HeadDraw, NeckRule, Sight};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// One posture: flexion and turn of the head as recorded, and by each rule (deg).
 struct Seen {
@@ -59,8 +59,7 @@ fn seen() -> Option<Vec<Seen>> {
 
 /// Recorded heads from each person's own neutral: the median of the most upright postures.
 fn from_upright(mut all: Vec<Seen>) -> Vec<Seen> {
-    let people: Vec<String> = all.iter().map(|s| s.person.clone()).collect();
-    let people: std::collections::BTreeSet<String> = people.into_iter().collect();
+    let people: BTreeSet<String> = all.iter().map(|s| s.person.clone()).collect();
     for person in people {
         let of = || all.iter().filter(|s| s.person == person);
         let leans: Vec<f64> = of().map(|s| s.inclination).collect();
