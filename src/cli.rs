@@ -46,6 +46,8 @@ mod shell;
 mod stdout;
 mod train;
 mod train_print;
+mod validate;
+mod validate_print;
 
 use crate::files::{InputError, Outputs};
 use clap::{Parser, Subcommand};
@@ -88,6 +90,8 @@ enum Command {
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
     Evaluate(Box<evaluate::Args>),
+    /// Predict recorded people whom no law has seen: errors, and what bands of strangers hold.
+    Validate(validate::Args),
     /// `ErgoBench`: judge the planner and its baselines by simulated people whose behaviour is known.
     Bench(bench::Args),
     /// Repeat the paper's experiments and our own on made-up data.
@@ -161,6 +165,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Validate(args) => validate::run(&args),
         Command::Bench(args) => bench::bench(&args, outputs),
         Command::Experiment(args) => experiment::run(&args, outputs),
         Command::Schema(args) => schema::run(&args, outputs),

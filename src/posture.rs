@@ -37,7 +37,7 @@ mod start;
 mod step;
 
 pub use adapt::Unsuitable;
-pub use attraction::{Attraction, HandFeatures, Pull, UsualPosture};
+pub use attraction::{Attraction, HandFeatures, Origin, Pull, UsualPosture};
 pub use behaviour::{Behaviour, Certain, Modelled, Repeated};
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};

@@ -32,6 +32,8 @@ mod held_out_curves;
 mod methods;
 mod motion_file;
 mod noise_fit;
+mod over_feet;
+pub mod people;
 mod rollout_check;
 mod settings;
 mod sharing;

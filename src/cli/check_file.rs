@@ -10,10 +10,11 @@ use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result}
 use crate::posture::load_model;
 use crate::recording::{Recording, read};
 use crate::robot::{JointTrajectory, PRESETS, Robot};
+use crate::training::people::{PeopleFile, read_people_file};
 use crate::words::number::percent;
 use std::path::Path;
 
-const KNOWN: &str = "known are scenarios and planners (TOML), bodies and robots (URDF), posture models and results \
+const KNOWN: &str = "known are scenarios, planners and people (TOML), bodies and robots (URDF), posture models and results \
                      (JSON), recordings (MVNX, AMC, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
 
 /// A file in words.
@@ -56,12 +57,29 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
     if schema.starts_with("ergopath/planner/") {
         return planner(path);
     }
+    if schema.starts_with("ergopath/people/") {
+        return Ok(people(&read_people_file(path)?));
+    }
     let found =
         if schema.is_empty() { "no schema".to_owned() } else { format!("schema `{schema}`") };
     let message = format!("has {found}, so it cannot be told what it is");
     Err(InputError::new(path, message).remedy(
-        "a scenario begins with schema = \"ergopath/scenario/1\", a planner with schema = \"ergopath/planner/1\"",
+        "a scenario begins with schema = \"ergopath/scenario/1\", a planner with schema = \"ergopath/planner/1\", \
+         a list of people with schema = \"ergopath/people/1\"",
     ))
+}
+
+fn people(file: &PeopleFile) -> Explained {
+    let mut explained = Explained::new(format!("a list of {} recorded people", file.count()));
+    for (name, recordings, side, body) in file.people() {
+        let side = if side == Side::Right { "right" } else { "left" };
+        let body = body.map_or_else(
+            || "in a body as the recorded arm asks for".to_owned(),
+            |b| format!("in the body {}", b.name),
+        );
+        explained.says.push(format!("`{name}`: {recordings} recordings, {side} hand, {body}"));
+    }
+    explained
 }
 
 fn planner(path: &Path) -> Result<Explained, InputError> {
@@ -130,7 +148,7 @@ fn result(r: &crate::planner::RunResult) -> Explained {
         explained =
             explained.saying(format!("input {name}: SHA-256 {}…", &hash[..hash.len().min(16)]));
     }
-    explained.notes.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).to_owned()));
+    explained.notes.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).into_owned()));
     explained.warnings.extend(r.warnings.iter().map(crate::words::setting::warning));
     explained
 }

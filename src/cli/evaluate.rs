@@ -2,10 +2,10 @@
 
 use super::evaluate_print::{as_json, print_text};
 use super::progress::Progress;
-use super::train::parse_side;
+use super::train::{parse_pelvis, parse_side};
 use super::{Failure, Outcome};
 use crate::files::{InputError, suggest};
-use crate::human::{Body, Side};
+use crate::human::{Body, Pelvis, Side};
 use crate::kinematics::{Linkage, read_urdf};
 use crate::posture::{Hold, Method, Sampling};
 use crate::training::{
@@ -34,6 +34,9 @@ pub(super) struct Args {
     /// The hand that holds on to the robot.
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
     side: Side,
+    /// Whether the pelvis of recordings rests, as in the paper, or moves over feet that must be recorded.
+    #[arg(long, value_parser = parse_pelvis, default_value = "rests", value_name = "moves|rests")]
+    pelvis: Pelvis,
     /// Task of the chain: planar (2 rows), position (3) or pose (6); by default by the xdot columns.
     #[arg(long, value_parser = parse_task, value_name = "planar|position|pose")]
     task: Option<Hold>,
@@ -285,7 +288,8 @@ fn problems(args: &Args) -> Result<Vec<Problem>, InputError> {
 
 /// Recordings of a person: trials of one data set, or a problem each.
 fn recorded(args: &Args, body: &Body) -> Result<Vec<Problem>, InputError> {
-    let whom = Whom { person: args.person.as_deref(), side: args.side, body };
+    let whom =
+        Whom { person: args.person.as_deref(), side: args.side, body, pelvis: Some(args.pelvis) };
     let mut sources: Vec<(String, Vec<Trial>)> = Vec::new();
     for path in &args.data {
         let found = read_source(path, &whom)?;

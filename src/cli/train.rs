@@ -4,9 +4,10 @@ use super::evaluate::parse_pull;
 use super::train_print::{print_json, print_text};
 use super::{Failure, Outcome};
 use crate::files::{InputError, Outputs, suggest};
-use crate::human::{Body, Side};
+use crate::human::{Body, Pelvis, Side};
 use crate::posture::{MODEL_SCHEMA, Method, PostureModel, model_text};
 use crate::report::{Learned, ReportError, held_out_figure, weights_figure};
+use crate::training::people::{Person, people_dataset, read_people, read_people_file};
 use crate::training::{
     Dataset, PullRule, Source, TrainSettings, Whom, data_csv, held_out_curves, provenance,
     read_person, train, weight_spread,
@@ -17,10 +18,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Recordings of one person: MVNX files, AMC files with their ASF, folders of rigid-body CSV
-    /// files, or joint-motion CSV files.
+    /// files, or joint-motion CSV files; or a TOML file that names several people.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
-    /// Body of the person: a shipped one by name, or a URDF made by `ergopath body`.
+    /// Body of the person, or the one in which the postures of several people meet: a shipped one by
+    /// name, or a URDF made by `ergopath body`.
     #[arg(long)]
     body: String,
     /// Posture model to write (JSON).
@@ -32,6 +34,10 @@ pub(super) struct Args {
     /// The hand that holds on to the robot.
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
     side: Side,
+    /// Whether the pelvis moves over planted feet or rests, as of somebody who sits: by default it moves
+    /// where all recordings hold both legs.
+    #[arg(long, value_parser = parse_pelvis, value_name = "moves|rests")]
+    pelvis: Option<Pelvis>,
     /// Method of the model: full-w, full-w-gp, mi-nsgp, w-ik, nsgp, sb-m, promp, gp or plain-ik.
     #[arg(long, value_parser = parse_method, default_value = "full-w")]
     method: Method,
@@ -62,6 +68,14 @@ pub(super) fn parse_side(text: &str) -> Result<Side, String> {
     }
 }
 
+pub(super) fn parse_pelvis(text: &str) -> Result<Pelvis, String> {
+    match text.to_lowercase().as_str() {
+        "moves" => Ok(Pelvis::Moves),
+        "rests" => Ok(Pelvis::Rests),
+        _ => Err("use moves or rests".to_owned()),
+    }
+}
+
 fn parse_method(text: &str) -> Result<Method, String> {
     let names = Method::ALL.map(Method::name);
     Method::ALL.into_iter().find(|m| m.name() == text).ok_or_else(|| {
@@ -69,12 +83,38 @@ fn parse_method(text: &str) -> Result<Method, String> {
     })
 }
 
+fn whom<'a>(args: &'a Args, body: &'a Body) -> Whom<'a> {
+    Whom { person: args.person.as_deref(), side: args.side, body, pelvis: args.pelvis }
+}
+
+/// The recordings of one person, or of the several of a people file.
+fn read_recorded(args: &Args, body: &Body) -> Result<(Vec<Source>, Dataset), InputError> {
+    let is_people = |path: &PathBuf| path.extension().is_some_and(|x| x == "toml");
+    let Some(file) = args.recordings.iter().find(|path| is_people(path)) else {
+        return read_person(&args.recordings, &whom(args, body));
+    };
+    if args.recordings.len() > 1 {
+        return Err(InputError::new(file, "names several people, and other recordings are given")
+            .remedy("name those in the file too"));
+    }
+    if args.person.is_some() || args.pelvis == Some(Pelvis::Rests) {
+        return Err(InputError::new(file, "names several people, who are learned as a whole")
+            .remedy("leave out --person and --pelvis"));
+    }
+    let people = read_people(&read_people_file(file)?)?;
+    let dataset = people_dataset(&people, body)?;
+    let whose = |p: Person| {
+        p.sources.into_iter().map(move |s| Source { name: format!("{}: {}", p.name, s.name), ..s })
+    };
+    Ok((people.into_iter().flat_map(whose).collect(), dataset))
+}
+
 /// Trains and writes the model.
 pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let body = Body::load(&args.body, Path::new("."))?;
     let settings = TrainSettings { pull: args.pull, ..Default::default() };
-    let whom = Whom { person: args.person.as_deref(), side: args.side, body: &body };
-    let (sources, dataset) = read_person(&args.recordings, &whom)?;
+    let (sources, dataset) = read_recorded(args, &body)?;
+    let whom = whom(args, &body);
     let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
     let name = args.name.clone().unwrap_or_else(|| stem.replace('_', " "));
     // What cannot be written must not cost minutes.

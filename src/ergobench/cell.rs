@@ -232,6 +232,7 @@ fn station(
         let provenance = Provenance {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             simulated: true,
+            people: 1,
             recordings: Vec::new(),
             body: (draft.body.name.clone(), draft.body.sha256()),
             settings: Vec::new(),

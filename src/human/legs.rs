@@ -267,7 +267,37 @@ impl Legs {
         (short_m, beyond)
     }
 
-    /// The same for a pelvis in the rest frame.
+    /// From hip to ankle of a straight leg, m.
+    pub fn length_m(&self) -> f64 {
+        0.5 * (self.sides[0].longest_m() + self.sides[1].longest_m())
+    }
+
+    /// Midway between the hips, in the pelvis frame, m.
+    pub fn between_hips(&self) -> Vec3 {
+        0.5 * (self.sides[0].hip + self.sides[1].hip)
+    }
+
+    /// Midway between the ankles, or between the balls of the feet, at the height of the ankles; feet flat,
+    /// rest frame, m.
+    pub fn between_feet(&self, at_balls: bool) -> Vec3 {
+        let stands = |leg: &Leg| {
+            let ball = if at_balls { leg.foot * leg.ball } else { Vec3::zeros() };
+            leg.ankle + Vec3::new(ball.x, 0.0, ball.z)
+        };
+        0.5 * (stands(&self.sides[0]) + stands(&self.sides[1]))
+    }
+
+    /// How far a pelvis in the rest frame must come down for both legs to reach their flat feet, m.
+    pub fn too_high_m(&self, pelvis: &Pose) -> f64 {
+        let of = |leg: &Leg| {
+            let r = pelvis * nalgebra::Point3::from(leg.hip) - nalgebra::Point3::from(leg.ankle);
+            let level = r.x.hypot(r.z);
+            r.y - (leg.longest_m().powi(2) - level * level).max(0.0).sqrt()
+        };
+        self.sides.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// [`Self::excess`] for a pelvis in the rest frame.
     pub fn excess_at(&self, pelvis: &Pose) -> (f64, f64) {
         let turn = *pelvis.rotation.to_rotation_matrix().matrix();
         self.excess(&self.bending(&pelvis.translation.vector, &turn))

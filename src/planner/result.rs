@@ -162,8 +162,15 @@ pub enum Decision {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Caveat {
-    /// Made from simulated movements, or learned on another body.
+    /// Made from simulated movements.
     DemonstrationModel,
+    /// Learned from several people, who are not the workers.
+    RecordedPeople {
+        /// How many.
+        count: usize,
+    },
+    /// Learned from one person of another size.
+    OtherBody,
 }
 
 /// One path.

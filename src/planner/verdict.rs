@@ -404,7 +404,14 @@ fn turned(d: &PairedDifference) -> PairedDifference {
 fn caveat(scenario: &Scenario) -> Option<Caveat> {
     let model = &scenario.worker.model;
     let other_body = scenario.worker.bodies.iter().any(|b| b.size != model.size);
-    (model.provenance.simulated || other_body).then_some(Caveat::DemonstrationModel)
+    let count = model.provenance.people;
+    if model.provenance.simulated {
+        Some(Caveat::DemonstrationModel)
+    } else if count > 1 {
+        Some(Caveat::RecordedPeople { count })
+    } else {
+        other_body.then_some(Caveat::OtherBody)
+    }
 }
 
 impl Finding {

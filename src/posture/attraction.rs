@@ -29,6 +29,11 @@ const NEAR: f64 = 0.3;
 /// Smallest spread of a feature (m): directions in which the hand hardly moved are not blown up.
 const SMALLEST_SPREAD_M: f64 = 0.02;
 
+/// Variance of what one person has of their own, and of what one movement has, over that of what all share.
+/// Of the five people of the shared recordings the predictions hardly depend on either.
+const PERSON: f64 = 0.2;
+const MOVEMENT: f64 = 0.5;
+
 /// Features of a hand pose: position over stature and rotation from a reference, standardised.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HandFeatures {
@@ -57,6 +62,16 @@ impl HandFeatures {
             let spread = crate::math::stats::std_dev(&column);
             features.spread[i] = spread.max(SMALLEST_SPREAD_M / stature_m);
         }
+        features
+    }
+
+    /// Places alone, and one length (of a stature) as the unit in all directions: how people of several
+    /// recordings turn their hands is told in as many conventions.
+    pub fn of_places(poses: &[Pose], stature_m: f64, unit: f64) -> Self {
+        /// So much larger is what does not count.
+        const AWAY: f64 = 1e6;
+        let mut features = Self::fit(poses, stature_m);
+        features.spread = [[unit; 3], [AWAY; 3]].concat();
         features
     }
 
@@ -95,10 +110,20 @@ pub struct Attraction {
     noise: f64,
     features: HandFeatures,
     inputs: Vec<[f64; 6]>,
+    origins: Vec<Origin>,
     postures: DMatrix<f64>,
     mean: DVector<f64>,
     coefficients: DMatrix<f64>,
     factor: Option<Cholesky<f64, Dyn>>,
+}
+
+/// Whose a training posture is, and of which of their movements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// Person.
+    pub person: usize,
+    /// Movement.
+    pub movement: usize,
 }
 
 /// What the model file holds; the rest is recomputed.
@@ -110,6 +135,9 @@ struct Stored {
     noise_variance: f64,
     features: HandFeatures,
     inputs: Vec<[f64; 6]>,
+    /// Of each posture; empty of one person, whose movements are taken together.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    origins: Vec<Origin>,
     postures_rad: DMatrix<f64>,
 }
 
@@ -120,7 +148,7 @@ impl From<Stored> for Attraction {
             s.length_scale,
             s.noise_variance,
             s.features,
-            s.inputs,
+            (s.inputs, s.origins),
             s.postures_rad,
         )
     }
@@ -134,6 +162,7 @@ impl From<Attraction> for Stored {
             noise_variance: a.noise,
             features: a.features,
             inputs: a.inputs,
+            origins: a.origins,
             postures_rad: a.postures,
         }
     }
@@ -176,7 +205,27 @@ impl Attraction {
         assert_eq!(hands.len(), postures.nrows(), "one hand pose for each posture");
         let features = HandFeatures::fit(hands, stature_m);
         let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
-        Self::assemble(pull, length_scale, noise, features, inputs, postures)
+        Self::assemble(pull, length_scale, noise, features, (inputs, Vec::new()), postures)
+    }
+
+    /// The same of several people, by the hand's place alone: what one person, or one movement, has of its
+    /// own is common to all of its postures, and none of it is expected of somebody else. `unit` is the
+    /// length-scale over the stature.
+    ///
+    /// # Panics
+    /// When hands, postures and origins differ in number.
+    pub fn of_people(
+        hands: &[Pose],
+        postures: DMatrix<f64>,
+        origins: Vec<Origin>,
+        stature_m: f64,
+        (pull, unit, noise): (Pull, f64, f64),
+    ) -> Self {
+        assert_eq!(hands.len(), postures.nrows(), "one hand pose for each posture");
+        assert_eq!(hands.len(), origins.len(), "one origin for each posture");
+        let features = HandFeatures::of_places(hands, stature_m, unit);
+        let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
+        Self::assemble(pull, 1.0, noise, features, (inputs, origins), postures)
     }
 
     fn assemble(
@@ -184,13 +233,19 @@ impl Attraction {
         length_scale: f64,
         noise: f64,
         features: HandFeatures,
-        inputs: Vec<[f64; 6]>,
+        (inputs, origins): (Vec<[f64; 6]>, Vec<Origin>),
         postures: DMatrix<f64>,
     ) -> Self {
         let count = inputs.len();
         let mean = postures.row_mean().transpose();
+        let own = |i: usize, j: usize| match (origins.get(i), origins.get(j)) {
+            (Some(a), Some(b)) if a.person == b.person => {
+                PERSON + if a.movement == b.movement { MOVEMENT } else { 0.0 }
+            }
+            _ => 0.0,
+        };
         let kernel = DMatrix::from_fn(count, count, |i, j| {
-            let k = squared_exponential(&inputs[i], &inputs[j], length_scale);
+            let k = squared_exponential(&inputs[i], &inputs[j], length_scale) * (1.0 + own(i, j));
             if i == j { k + noise } else { k }
         });
         let mut centred = postures.clone();
@@ -201,14 +256,26 @@ impl Attraction {
         let coefficients = factor
             .as_ref()
             .map_or_else(|| DMatrix::zeros(count, postures.ncols()), |f| f.solve(&centred));
-        Self { pull, length_scale, noise, features, inputs, postures, mean, coefficients, factor }
+        Self {
+            pull,
+            length_scale,
+            noise,
+            features,
+            inputs,
+            origins,
+            postures,
+            mean,
+            coefficients,
+            factor,
+        }
     }
 
     /// The same regression on other postures, made from its own row by row: N x n, rad.
     #[must_use]
     pub fn regressed(&self, change: impl FnOnce(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
-        let Self { pull, length_scale, noise, features, inputs, postures, .. } = self.clone();
-        Self::assemble(pull, length_scale, noise, features, inputs, change(&postures))
+        let Self { pull, length_scale, noise, features, inputs, origins, postures, .. } =
+            self.clone();
+        Self::assemble(pull, length_scale, noise, features, (inputs, origins), change(&postures))
     }
 
     /// What the pull goes by.

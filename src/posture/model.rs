@@ -162,6 +162,9 @@ pub struct Provenance {
     pub program_version: String,
     /// True when the movements are those of a simulated operator.
     pub simulated: bool,
+    /// How many people the movements are of.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub people: usize,
     /// File names of the recordings and the SHA-256 of their bytes.
     pub recordings: Vec<(String, String)>,
     /// Name of the body and the SHA-256 of its files.
@@ -170,6 +173,15 @@ pub struct Provenance {
     pub settings: Vec<(String, String)>,
     /// Remarks of the fit, for the report.
     pub notes: Vec<String>,
+}
+
+fn one() -> usize {
+    1
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 /// A learned model of how one person resolves redundancy.

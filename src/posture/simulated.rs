@@ -149,6 +149,7 @@ fn simulated(
         provenance: Provenance {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             simulated: true,
+            people: 1,
             recordings: Vec::new(),
             body: (body.name.clone(), body.sha256()),
             settings: Vec::new(),

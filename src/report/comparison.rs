@@ -175,7 +175,7 @@ impl ComparedRun {
             load_kg: Some(result.setting.task.load_kg),
             robot: result.setting.robot.name.clone(),
             posture_model: result.posture_model.name.clone(),
-            caveat: result.verdict.caveat.map(|c| words::verdict::caveat(c).to_owned()),
+            caveat: result.verdict.caveat.map(|c| words::verdict::caveat(c).into_owned()),
             scenario_sha256: p.inputs.first().map(|(_, h)| h.clone()).unwrap_or_default(),
             program_version: p.program_version.clone().into_owned(),
             seed: Some(p.seed),

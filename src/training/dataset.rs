@@ -12,6 +12,7 @@ use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, PELVIS_JOINTS, Pelvis, Side, Stance};
 use crate::kinematics::{Frames, JointLimit, Linkage};
 use crate::math::Pose;
+use crate::math::signal::differentiate;
 use crate::posture::{Coupling, Hold, Query};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -61,6 +62,31 @@ impl From<&JointMotion> for Trial {
     }
 }
 
+impl Trial {
+    /// The same joints on a pelvis that moves: its six coordinates (T x 6, leg lengths and rad) go first.
+    #[must_use]
+    pub(super) fn on_pelvis(self, pelvis: &[[f64; 6]]) -> Self {
+        let columns: Vec<Vec<f64>> = (0..6)
+            .map(|c| {
+                let column: Vec<f64> = pelvis.iter().map(|row| row[c]).collect();
+                differentiate(&column, 1.0 / self.rate_hz)
+            })
+            .collect();
+        let led = |lead: Vec<f64>, joints: Vec<f64>| [lead, joints].concat();
+        let place = self.q.into_iter().zip(pelvis).map(|(q, p)| led(p.to_vec(), q));
+        let speed = |(i, q): (usize, Vec<f64>)| led(columns.iter().map(|c| c[i]).collect(), q);
+        let qdot = self.qdot.into_iter().enumerate().map(speed).collect();
+        Self { source: self.source, rate_hz: self.rate_hz, q: place.collect(), qdot }
+    }
+
+    /// Takes the coordinates of the pelvis away.
+    pub(super) fn leave_pelvis(&mut self) {
+        for row in self.q.iter_mut().chain(&mut self.qdot) {
+            row.drain(..PELVIS_JOINTS.len());
+        }
+    }
+}
+
 /// One instant of one trial.
 #[derive(Debug, Clone)]
 pub struct Frame {
@@ -76,6 +102,8 @@ pub struct Frame {
     pub hand: Pose,
     /// Index of the trial.
     pub trial: usize,
+    /// Index of the person.
+    pub person: usize,
     /// Index within the thinned trial.
     pub index: usize,
     /// Time since the start of the trial, s.
@@ -164,6 +192,21 @@ impl Dataset {
         Ok(Self { frames, coupling, person, joints, trials: trials.len() })
     }
 
+    /// Trials of several people, of whom whole ones are held out, in a body in which all their postures
+    /// meet.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn of_people(people: &[Vec<Trial>], body: &Body, side: Side) -> Result<Self, InputError> {
+        let mut dataset = Self::new(&people.concat(), body, side)?;
+        let whose = people.iter().enumerate().flat_map(|(p, own)| own.iter().map(move |_| p));
+        let whose: Vec<usize> = whose.collect();
+        for frame in &mut dataset.frames {
+            frame.person = whose[frame.trial];
+        }
+        Ok(dataset)
+    }
+
     /// Rows of a data file of any chain, as they are: `q` and `qdot` (n each), `xdot` (m), the trial
     /// and the time (s) of each row, in order of time within a trial.
     ///
@@ -194,6 +237,7 @@ impl Dataset {
                     jacobian: seen.jacobian,
                     hand: seen.grips.first,
                     trial: row.trial,
+                    person: 0,
                     index: *index - 1,
                     time_s: row.time_s,
                     is_sparse: (*index - 1).is_multiple_of(every_second),
@@ -209,6 +253,11 @@ impl Dataset {
         }
         set_demonstrations(&mut frames);
         Ok(Self { frames, coupling, person: None, joints, trials: counts.len() })
+    }
+
+    /// Whether it is of several people, also where only one of them is looked at.
+    pub fn is_of_people(&self) -> bool {
+        self.frames.iter().any(|f| f.person > 0)
     }
 
     /// Number of rows of the task, m.
@@ -273,8 +322,8 @@ impl Dataset {
             .collect()
     }
 
-    /// Every frame tests once: trial by trial (in five groups when there are more than six), or, for
-    /// a single trial, in five contiguous blocks of time.
+    /// Every frame tests once: person by person; of one person trial by trial (in five groups when there are
+    /// more than six), or, for a single trial, in five contiguous blocks of time.
     pub fn blocks(&self) -> Vec<Fold> {
         self.blocks_of(&(0..self.frames.len()).collect::<Vec<_>>())
     }
@@ -341,14 +390,22 @@ fn set_demonstrations(frames: &mut [Frame]) {
     }
 }
 
-/// The block of each frame for leaving blocks out: its trial (of more than six, one of five groups),
-/// or a fifth of the time of a single trial.
+/// The block of each frame for leaving blocks out: its person; of one person its trial (of more than six,
+/// one of five groups), or a fifth of the time of a single trial.
 pub(super) fn block_numbers(frames: &[&Frame]) -> Vec<usize> {
-    let mut places: BTreeMap<usize, usize> = BTreeMap::new();
-    for f in frames {
-        let next = places.len();
-        places.entry(f.trial).or_insert(next);
+    let numbered = |of: fn(&Frame) -> usize| {
+        let mut places: BTreeMap<usize, usize> = BTreeMap::new();
+        for f in frames {
+            let next = places.len();
+            places.entry(of(f)).or_insert(next);
+        }
+        places
+    };
+    let people = numbered(|f| f.person);
+    if people.len() > 1 {
+        return frames.iter().map(|f| people[&f.person]).collect();
     }
+    let places = numbered(|f| f.trial);
     frames
         .iter()
         .enumerate()
@@ -425,6 +482,7 @@ fn thinned(trial: &Trial, index: usize, coupling: &Coupling) -> Vec<Frame> {
                 jacobian: seen.jacobian,
                 hand: seen.grips.first,
                 trial: index,
+                person: 0,
                 index: k,
                 time_s: i as f64 / trial.rate_hz,
                 is_sparse: k % every_second == 0,

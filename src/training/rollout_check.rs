@@ -338,7 +338,7 @@ fn calibrate(
     Ok((0.5 * (low + high)).exp())
 }
 
-fn walk_path(dataset: &Dataset, law: &PostureLaw, run: &[&Frame]) -> (HandPath, Start) {
+pub(super) fn walk_path(dataset: &Dataset, law: &PostureLaw, run: &[&Frame]) -> (HandPath, Start) {
     // Times from zero, and exactly even: a piece may start anywhere in its recording.
     let step = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
     let time: Vec<f64> = (0..run.len()).map(|i| step * i as f64).collect();

@@ -119,6 +119,8 @@ pub struct TrainSettings {
     /// folds of two people (time splits at 60 and 70 %, blocks): 3.70, 3.80, 3.69, 3.58 deg for 0.5,
     /// 1, 2, 3; over the blocks alone 2.22, 1.90, 1.64, 1.64 deg, and 2.41 without a pull.
     pub attraction_length: f64,
+    /// Length-scale of the usual postures of several people, which go by the hand's place, over the stature.
+    pub place_length: f64,
     /// Its noise variance over signal variance.
     pub attraction_noise: f64,
     /// Most training postures behind it.
@@ -163,6 +165,7 @@ impl Default for TrainSettings {
             attraction_length_m: 0.4,
             attraction_rate_per_s: 4.0,
             attraction_length: 2.0,
+            place_length: 0.15,
             attraction_noise: 0.05,
             attraction_postures: 120,
             objective: None,

@@ -4,11 +4,15 @@ use super::dataset::{Dataset, Trial};
 use super::fit::{FitSettings, fit};
 use super::fit_report::FitReport;
 use super::motion_file::read_motion;
+use super::over_feet::{OverFeet, over_feet};
 use crate::files::InputError;
-use crate::human::{Body, Side};
+use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
 use crate::recording::read;
 use std::path::{Path, PathBuf};
+
+/// Joints from the pelvis to a grip.
+const ARM_JOINTS: usize = 24;
 
 /// Whom to look for in recordings.
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +23,8 @@ pub struct Whom<'a> {
     pub side: Side,
     /// The person's body.
     pub body: &'a Body,
+    /// Whether the pelvis moves in what is learned: as asked, or where all recordings hold the legs.
+    pub pelvis: Option<Pelvis>,
 }
 
 /// What one recording gave.
@@ -78,8 +84,9 @@ pub fn read_person(
 ) -> Result<(Vec<Source>, Dataset), InputError> {
     let sources: Result<Vec<Source>, InputError> =
         recordings.iter().map(|path| read_source(path, whom)).collect();
-    let sources = sources?;
+    let mut sources = sources?;
     refuse_mixture(&sources)?;
+    rest_where_one_must(&mut sources);
     let trials: Vec<Trial> = sources.iter().flat_map(|s| s.trials.clone()).collect();
     let dataset = Dataset::new(&trials, whom.body, whom.side)?;
     Ok((sources, dataset))
@@ -95,15 +102,26 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
         return from_angles(path, whom);
     }
     let recording = read(path, whom.person)?;
-    let motion = fit(&recording, whom.body, whom.side, &FitSettings::default())?;
+    let settings = FitSettings::default();
+    let motion = fit(&recording, whom.body, whom.side, &settings)?;
     let report = motion.report.clone();
-    let notes = recording.notes.iter().chain(&report.notes);
+    let mut notes: Vec<String> = recording.notes.iter().chain(&report.notes).cloned().collect();
+    let mut trial = Trial::from(&motion);
+    if whom.pelvis != Some(Pelvis::Rests) {
+        if let Some(standing) = over_feet(&recording, whom.body, settings.cutoff_hz)? {
+            notes.extend(standing_notes(&standing));
+            trial = trial.on_pelvis(&standing.pelvis);
+        } else if whom.pelvis.is_some() {
+            return Err(InputError::new(&recording.source, "does not hold both legs")
+                .remedy("a pelvis that moves is told from the feet: leave it at rest"));
+        }
+    }
     Ok(Source {
-        notes: notes.map(|n| format!("{}: {n}", recording.source)).collect(),
+        notes: notes.iter().map(|n| format!("{}: {n}", recording.source)).collect(),
         name: recording.source.clone(),
         sha256: recording.sha256.clone(),
         simulated: false,
-        trials: vec![Trial::from(&motion)],
+        trials: vec![trial],
         angles: Angles::Fitted {
             format: recording.format,
             rate_hz: recording.rate_hz,
@@ -128,6 +146,39 @@ fn from_angles(path: &Path, whom: &Whom) -> Result<Source, InputError> {
     })
 }
 
+/// What a reader should know of a pelvis over its feet.
+fn standing_notes(standing: &OverFeet) -> Vec<String> {
+    /// Lowering that is worth a word, leg lengths.
+    const WORTH_A_WORD: f64 = 0.02;
+    let mut notes = vec![format!(
+        "the pelvis is told from the feet, which step in {:.0} % of the frames; leg of {:.2} m from hip to ankle",
+        100.0 * standing.stepping_share,
+        standing.leg_m
+    )];
+    if standing.lowered > WORTH_A_WORD {
+        notes.push(format!(
+            "the pelvis was lowered by up to {:.0} % of a leg, for the legs of the body to reach its feet side by side",
+            100.0 * standing.lowered
+        ));
+    }
+    notes
+}
+
+/// One recording without legs leaves every pelvis at rest.
+fn rest_where_one_must(sources: &mut [Source]) {
+    let moves = |s: &Source| s.trials.iter().flat_map(|t| &t.q).all(|q| q.len() > ARM_JOINTS);
+    let Some(still) = sources.iter().find(|s| !moves(s)).map(|s| s.name.clone()) else { return };
+    for source in sources.iter_mut().filter(|s| s.fit().is_some()) {
+        if moves(source) {
+            source.notes.push(format!(
+                "{}: learned over a pelvis that rests, as {still} holds no legs",
+                source.name
+            ));
+            source.trials.iter_mut().for_each(Trial::leave_pelvis);
+        }
+    }
+}
+
 /// Simulated and real movements must not make one model.
 fn refuse_mixture(sources: &[Source]) -> Result<(), InputError> {
     let simulated = sources.iter().filter(|s| s.simulated).count();
@@ -138,6 +189,11 @@ fn refuse_mixture(sources: &[Source]) -> Result<(), InputError> {
         )
         .remedy("train them apart"));
     }
+    refuse_twice(&sources.iter().collect::<Vec<_>>())
+}
+
+/// A recording that is given twice would be held out and teach at once.
+pub(super) fn refuse_twice(sources: &[&Source]) -> Result<(), InputError> {
     for (i, source) in sources.iter().enumerate() {
         if sources[..i].iter().any(|s| s.sha256 == source.sha256) {
             return Err(InputError::new(&source.name, "is given twice")
@@ -171,6 +227,7 @@ pub fn provenance(sources: &[Source], whom: &Whom) -> Provenance {
     Provenance {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         simulated: sources.iter().any(|s| s.simulated),
+        people: 1,
         recordings: sources.iter().map(|s| (s.name.clone(), s.sha256.clone())).collect(),
         body: (whom.body.name.clone(), whom.body.sha256()),
         settings,

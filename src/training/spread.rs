@@ -14,8 +14,9 @@ use super::methods::{Law, learn_laws, singular};
 use super::settings::{PullRule, TrainSettings};
 use crate::files::InputError;
 use crate::math::Pose;
-use crate::posture::{Attraction, Method, PostureDistribution, Pull};
+use crate::posture::{Attraction, Method, Origin, PostureDistribution, Pull};
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
 
 pub(super) use super::noise_fit::autocorrelation_time;
 
@@ -45,9 +46,20 @@ pub fn learn_attraction(
         PullRule::PerSecond => Pull::Second { rate_per_s: settings.attraction_rate_per_s },
         PullRule::None => return None,
     };
-    let kept = at_most(&sparse(frames), settings.attraction_postures);
+    let people: BTreeSet<usize> = frames.iter().map(|f| f.person).collect();
+    let kept = at_most(&sparse(frames), settings.attraction_postures * people.len().max(1));
     let hands: Vec<Pose> = kept.iter().map(|f| f.hand).collect();
     let rows: Vec<_> = kept.iter().map(|f| f.q.transpose()).collect();
+    if dataset.is_of_people() {
+        let origins = kept.iter().map(|f| Origin { person: f.person, movement: f.trial }).collect();
+        return Some(Attraction::of_people(
+            &hands,
+            DMatrix::from_rows(&rows),
+            origins,
+            dataset.coupling.stature_m(),
+            (pull, settings.place_length, settings.attraction_noise),
+        ));
+    }
     Some(Attraction::fit(
         &hands,
         DMatrix::from_rows(&rows),

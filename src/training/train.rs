@@ -20,6 +20,7 @@ use crate::posture::{
     Provenance,
 };
 use nalgebra::DMatrix;
+use std::collections::BTreeSet;
 
 /// Significant digits kept of learned numbers, and of scores. Fewer than computed, so that the file
 /// does not depend on the rounding of one processor.
@@ -38,7 +39,7 @@ pub fn train(
     provenance: Provenance,
 ) -> Result<PostureModel, InputError> {
     settings.check()?;
-    let mut methods: Vec<Method> = SHOWN.to_vec();
+    let mut methods = if dataset.is_of_people() { Vec::new() } else { SHOWN.to_vec() };
     if !methods.contains(&method) {
         methods.push(method);
     }
@@ -71,7 +72,8 @@ pub fn learn(
     let law = laws.into_iter().next().ok_or_else(|| InputError::new(name, "has no law"))?;
     let repetitions = learn_repetitions(dataset, &every, &law, settings)?;
     let noise = &repetitions.noise;
-    let mut provenance = provenance;
+    let people: BTreeSet<usize> = dataset.frames.iter().map(|f| f.person).collect();
+    let mut provenance = Provenance { people: people.len(), ..provenance };
     provenance.settings.extend(described(settings, &law, &repetitions, dataset));
     provenance.notes.extend(notes(dataset, &law, &repetitions, settings));
     let postures = learn_postures(&all);
@@ -112,7 +114,8 @@ pub fn learn(
     })
 }
 
-/// Methods that are judged beside the chosen one.
+/// Methods that are judged beside the chosen one of one person; people who are left out judge others
+/// ([`crate::training::people::validate`]).
 const SHOWN: [Method; 4] = [Method::PlainIk, Method::WIk, Method::FullW, Method::MiNsgp];
 
 /// Means over splits and held-out trajectories.
@@ -193,7 +196,14 @@ fn notes(
     repetitions: &LearnedRepetitions,
     settings: &TrainSettings,
 ) -> Vec<String> {
-    let mut notes = vec![if dataset.trials > 1 {
+    let people: BTreeSet<usize> = dataset.frames.iter().map(|f| f.person).collect();
+    let mut notes = vec![if people.len() > 1 {
+        format!(
+            "judged on whole people held out, {} in all, with {} trials; their postures meet in one body",
+            people.len(),
+            dataset.trials
+        )
+    } else if dataset.trials > 1 {
         format!("judged on whole trials held out, {} in all", dataset.trials)
     } else {
         "judged on the last part of the only trial: the first 70 % of the time trained, 0.5 s were \

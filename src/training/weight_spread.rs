@@ -145,6 +145,7 @@ mod tests {
         let provenance = Provenance {
             program_version: String::new(),
             simulated: true,
+            people: 1,
             recordings: Vec::new(),
             body: (String::new(), String::new()),
             settings: Vec::new(),

@@ -9,6 +9,7 @@ use crate::planner::{
     BodyScores, CandidateResult, Caveat, Comparison, Decision, Finding, GainParts, Objective,
     RunResult, Severity,
 };
+use std::borrow::Cow;
 
 /// The path that the figures are about.
 pub fn lead(result: &RunResult) -> Option<&CandidateResult> {
@@ -172,9 +173,13 @@ pub fn objective(o: &Objective) -> String {
 }
 
 /// What the posture model is not.
-pub fn caveat(c: Caveat) -> &'static str {
+pub fn caveat(c: Caveat) -> Cow<'static, str> {
     match c {
-        Caveat::DemonstrationModel => "demonstration model, not your workers",
+        Caveat::DemonstrationModel => "demonstration model, not your workers".into(),
+        Caveat::RecordedPeople { count } => {
+            format!("{count} recorded people, not your workers").into()
+        }
+        Caveat::OtherBody => "learned from one person of another size, not your workers".into(),
     }
 }
 

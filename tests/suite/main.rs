@@ -30,6 +30,7 @@ mod layers;
 mod moved_worlds;
 #[cfg(unix)]
 mod outputs_cli;
+mod people_cli;
 mod plan_cli;
 mod planner;
 mod prose;

@@ -1,0 +1,129 @@
+//! What `validate` says.
+
+use crate::math::stats::{mean, quantile};
+use crate::training::people::{FEATURES, LeftOut, MovementScore, Predictor};
+use crate::words::number::percent;
+use comfy_table::{CellAlignment, Table, presets};
+use serde_json::{Value, json};
+
+fn movements(found: &LeftOut) -> Vec<&MovementScore> {
+    found.people.iter().flat_map(|p| &p.movements).collect()
+}
+
+/// Mean over movements of the rms of a feature by a predictor.
+fn rms(movements: &[&MovementScore], predictor: Predictor, feature: usize) -> f64 {
+    let of = |m: &&MovementScore| {
+        let found = m.predictors.iter().find(|p| p.predictor == predictor);
+        found.map_or(f64::NAN, |p| p.rms[feature])
+    };
+    mean(&movements.iter().map(of).collect::<Vec<_>>())
+}
+
+/// Mean coverage (50 or 90 %) of a feature over the frames of movements.
+fn coverage(movements: &[&MovementScore], feature: usize, level: usize) -> f64 {
+    let frames: usize = movements.iter().map(|m| m.frames).sum();
+    let inside: f64 =
+        movements.iter().map(|m| m.frames as f64 * m.features[feature].coverage[level]).sum();
+    inside / frames.max(1) as f64
+}
+
+fn pooled(movements: &[&MovementScore], level: usize) -> f64 {
+    mean(&(0..FEATURES.len()).map(|f| coverage(movements, f, level)).collect::<Vec<_>>())
+}
+
+/// The lowest coverage of a feature of a person.
+fn worst(found: &LeftOut, level: usize) -> f64 {
+    let people = found.people.iter().map(|p| p.movements.iter().collect::<Vec<_>>());
+    people
+        .flat_map(|own| (0..FEATURES.len()).map(move |f| coverage(&own, f, level)))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Mean rms of the angles.
+fn angle_error(movements: &[&MovementScore], predictor: Predictor) -> f64 {
+    mean(&(1..FEATURES.len()).map(|f| rms(movements, predictor, f)).collect::<Vec<_>>())
+}
+
+pub(super) fn as_json(found: &LeftOut) -> Value {
+    let all = movements(found);
+    let by_person = |predictor: Predictor| -> Vec<f64> {
+        let of = |p: &crate::training::people::PersonScore| {
+            angle_error(&p.movements.iter().collect::<Vec<_>>(), predictor)
+        };
+        found.people.iter().map(of).collect()
+    };
+    let error = |predictor: Predictor| json!({"median": quantile(&by_person(predictor), 0.5), "people": by_person(predictor)});
+    let baselines: Vec<Value> = Predictor::ALL[1..]
+        .iter()
+        .map(|p| json!({"name": p.name(), "posture_error_deg": error(*p)}))
+        .collect();
+    json!({
+        "schema": "ergopath/validation/1",
+        "persons": found.people,
+        "posture_error_deg": error(Predictor::FullW),
+        "coverage50": {"pooled": pooled(&all, 0), "worst": worst(found, 0)},
+        "coverage90": {"pooled": pooled(&all, 1), "worst": worst(found, 1)},
+        "energy_score_deg": mean(&all.iter().map(|m| m.energy_deg).collect::<Vec<_>>()),
+        "ended_share": mean(&all.iter().map(|m| m.ended_share).collect::<Vec<_>>()),
+        "baselines": baselines,
+    })
+}
+
+pub(super) fn print_text(found: &LeftOut) {
+    let all = movements(found);
+    say!("{} people left out one by one, {} movements", found.people.len(), all.len());
+    let mut header = vec!["from the recorded first posture".to_owned()];
+    header.extend(
+        FEATURES
+            .iter()
+            .enumerate()
+            .map(|(i, f)| if i == 0 { format!("{f} cm") } else { format!("{f} deg") }),
+    );
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(&header);
+    for predictor in Predictor::ALL {
+        let mut row = vec![predictor.name().to_owned()];
+        row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", rms(&all, predictor, f))));
+        table.add_row(row);
+    }
+    let fit = |f: usize| mean(&all.iter().map(|m| m.fit_rms[f]).collect::<Vec<_>>());
+    let mut row = vec!["(the fitted body itself)".to_owned()];
+    row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", fit(f))));
+    table.add_row(row);
+    right(&mut table);
+    say!("\n{table}");
+    let mut table = Table::new();
+    let header: Vec<&str> =
+        std::iter::once("90 % bands of strangers hold").chain(FEATURES).collect();
+    table.load_style(presets::NOTHING);
+    table.set_header(&header);
+    for person in &found.people {
+        let own: Vec<&MovementScore> = person.movements.iter().collect();
+        let mut row = vec![person.person.clone()];
+        row.extend((0..FEATURES.len()).map(|f| percent(coverage(&own, f, 1))));
+        table.add_row(row);
+    }
+    let mut row = vec!["all".to_owned()];
+    row.extend((0..FEATURES.len()).map(|f| percent(coverage(&all, f, 1))));
+    table.add_row(row);
+    let width = |f: usize| mean(&all.iter().map(|m| m.features[f].width_90).collect::<Vec<_>>());
+    let mut row = vec!["width, cm and deg".to_owned()];
+    row.extend((0..FEATURES.len()).map(|f| format!("{:.0}", width(f))));
+    table.add_row(row);
+    right(&mut table);
+    say!("\n{table}");
+    say!(
+        "\nenergy score of the four angles {:.1} deg; repetitions that lost the hand: {}",
+        mean(&all.iter().map(|m| m.energy_deg).collect::<Vec<_>>()),
+        percent(mean(&all.iter().map(|m| m.ended_share).collect::<Vec<_>>()))
+    );
+}
+
+fn right(table: &mut Table) {
+    for i in 1..=FEATURES.len() {
+        if let Some(column) = table.column_mut(i) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Where the pelvis of a recorded person is over the feet: the six coordinates that a body has besides its
+//! joints.
+//!
+//! ```text
+//! feet frame   midway between the balls of the feet, on the floor; x ahead (mean of the feet), y up
+//! pelvis       hips seen from there, over the recorded leg, less where they are upright; then its turn
+//! ```
+//! The frame goes with feet that step, so that hand and pelvis are always told from where the person stands.
+//! Leg lengths take the place of metres: the pelvis of a body of another size bends its knees as much.
+
+use crate::files::InputError;
+use crate::human::{Body, Legs, Side, Stance, pelvis_coordinates, pelvis_in_rest};
+use crate::math::pose::rotation_from_axes;
+use crate::math::signal::low_pass_zero_phase;
+use crate::math::{Pose, Vec3, stats};
+use crate::recording::{Recording, SegmentTrack};
+
+/// Share of the frames whose lower ankle is below what counts as an ankle on the floor.
+const ON_FLOOR: f64 = 0.05;
+/// A foot whose ball goes faster than this steps, m/s.
+const STEPPING_M_S: f64 = 0.15;
+
+/// A recorded pelvis over its feet.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OverFeet {
+    /// The six coordinates of the pelvis, T x 6, leg lengths and rad: filtered.
+    pub pelvis: Vec<[f64; 6]>,
+    /// Recorded leg from hip to ankle, m.
+    pub leg_m: f64,
+    /// Share of the frames in which a foot steps.
+    pub stepping_share: f64,
+    /// Largest lowering of the pelvis that planted feet of the body asked for, leg lengths.
+    pub lowered: f64,
+}
+
+/// One leg of a recording.
+struct LegTracks<'a> {
+    hip: &'a SegmentTrack,
+    knee: &'a SegmentTrack,
+    foot: &'a SegmentTrack,
+    ball: Option<&'a SegmentTrack>,
+}
+
+impl<'a> LegTracks<'a> {
+    fn of(recording: &'a Recording, side: Side) -> Option<Self> {
+        let track = |part: &str| recording.segment(&format!("{}{part}", side.prefix()));
+        Some(Self {
+            hip: track("UpperLeg")?,
+            knee: track("LowerLeg")?,
+            foot: track("Foot")?,
+            ball: track("Toe"),
+        })
+    }
+
+    /// Hip to knee to ankle, m.
+    fn length_m(&self, frame: usize) -> f64 {
+        let [hip, knee, ankle] = [self.hip, self.knee, self.foot].map(|t| t.position[frame]);
+        (knee - hip).norm() + (ankle - knee).norm()
+    }
+
+    /// Ball of the foot, or the ankle where it is not recorded.
+    fn stands_at(&self, frame: usize) -> Vec3 {
+        self.ball.unwrap_or(self.foot).position[frame]
+    }
+}
+
+/// The pelvis of a recorded person over the feet, in a body; none where a recording holds no legs.
+///
+/// # Errors
+/// Where the body's legs are not straight at zero angles.
+pub(super) fn over_feet(
+    recording: &Recording,
+    body: &Body,
+    cutoff_hz: f64,
+) -> Result<Option<OverFeet>, InputError> {
+    let legs = [Side::Right, Side::Left].map(|side| LegTracks::of(recording, side));
+    let (Some(pelvis), [Some(right), Some(left)]) = (recording.segment("Pelvis"), &legs) else {
+        return Ok(None);
+    };
+    let sides = [right, left];
+    let count = recording.frames();
+    let own = Legs::new(body, Stance::Standing { shoe_m: 0.0 })?;
+    let stand = own.between_feet(right.ball.is_some() && left.ball.is_some());
+    let lengths: Vec<f64> =
+        (0..count).map(|i| 0.5 * (right.length_m(i) + left.length_m(i))).collect();
+    let leg_m = stats::quantile(&lengths, 0.5);
+    let scale = own.length_m() / leg_m;
+    let lower = |i: usize| right.foot.position[i].z.min(left.foot.position[i].z);
+    let floor_m = stats::quantile(&(0..count).map(lower).collect::<Vec<_>>(), ON_FLOOR);
+    let in_feet = |i: usize| {
+        let between = |at: &dyn Fn(&LegTracks) -> Vec3| 0.5 * (at(right) + at(left));
+        let mut origin = between(&|leg| leg.stands_at(i));
+        origin.z = floor_m;
+        let axes = ahead(sides, pelvis, i);
+        let turn = rotation_from_axes(axes, Vec3::z(), axes.cross(&Vec3::z())).inverse();
+        let hip = turn * (between(&|leg| leg.hip.position[i]) - origin) * scale;
+        let rotation = turn * pelvis.rotation[i];
+        // Where the body's pelvis is when its hips are there.
+        let at = stand + hip - rotation * own.between_hips();
+        Pose::from_parts(at.into(), rotation)
+    };
+    let raw: Vec<_> = (0..count).map(|i| pelvis_coordinates(&in_feet(i), body.leg_m())).collect();
+    let columns: Vec<Vec<f64>> = (0..6)
+        .map(|c| {
+            let column: Vec<f64> = raw.iter().map(|row| row[c]).collect();
+            low_pass_zero_phase(&column, recording.rate_hz, cutoff_hz)
+        })
+        .collect();
+    let mut lowered = 0.0f64;
+    let pelvis = (0..count)
+        .map(|i| {
+            let mut row: [f64; 6] = std::array::from_fn(|c| columns[c][i]);
+            let down = own.too_high_m(&pelvis_in_rest(&row, body.leg_m())) / body.leg_m();
+            row[1] -= down;
+            lowered = lowered.max(down);
+            row
+        })
+        .collect();
+    let stepping_share = stepping_share(sides, recording.rate_hz);
+    Ok(Some(OverFeet { pelvis, leg_m, stepping_share, lowered }))
+}
+
+/// Where the person faces: level, the mean of the feet that do not point backwards, or else as the pelvis.
+fn ahead(sides: [&LegTracks; 2], pelvis: &SegmentTrack, i: usize) -> Vec3 {
+    // The right side of a pelvis stays level however far it bends.
+    let facing = Vec3::z().cross(&(pelvis.rotation[i] * Vec3::z()));
+    let level = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
+    let mut sum = Vec3::zeros();
+    for leg in sides {
+        let foot = level(leg.foot.rotation[i] * Vec3::x());
+        if foot.dot(&facing) > 0.0 {
+            sum += foot.normalize();
+        }
+    }
+    let found = if sum.norm() > 1e-6 { sum } else { level(facing) };
+    found.try_normalize(1e-9).unwrap_or_else(Vec3::x)
+}
+
+/// Share of the frames in which a ball of a foot moves.
+fn stepping_share(sides: [&LegTracks; 2], rate_hz: f64) -> f64 {
+    let count = sides[0].foot.position.len();
+    let moves = |i: usize| {
+        sides.iter().any(|leg| {
+            let way = leg.stands_at(i + 1) - leg.stands_at(i - 1);
+            0.5 * way.norm() * rate_hz > STEPPING_M_S
+        })
+    };
+    let stepping = (1..count.max(2) - 1).filter(|&i| moves(i)).count();
+    stepping as f64 / count.max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::{Coupled, Head, Pelvis, Skeleton};
+    use nalgebra::UnitQuaternion;
+    use std::path::Path;
+
+    const PARTS: [&str; 9] = [
+        "Pelvis",
+        "RightUpperLeg",
+        "RightLowerLeg",
+        "RightFoot",
+        "RightToe",
+        "LeftUpperLeg",
+        "LeftLowerLeg",
+        "LeftFoot",
+        "LeftToe",
+    ];
+    /// Pelvis forward, up, right, and turned about Z, X, Y; heels stay down.
+    const STOOPED: [f64; 6] = [-0.08, -0.05, 0.03, -0.6, 0.05, -0.1];
+
+    /// What a perfect system would record of a body that keeps a posture, somewhere in the world.
+    fn record(body: &Body, pelvis: [f64; 6], frames: usize) -> Recording {
+        let standing = Stance::Standing { shoe_m: 0.0 };
+        let coupled = Coupled { hands: Side::Right.into(), pelvis: Pelvis::Moves };
+        let skeleton = Skeleton::new(body, coupled, standing, true).unwrap();
+        let mut q = vec![0.0; 30];
+        q[..6].copy_from_slice(&pelvis);
+        let posed = skeleton.whole(&q, Head::default());
+        let posed = skeleton.pose(&posed);
+        let rest = body.pelvis_pose([3.0, -2.0], 2.1, standing);
+        let at = |name: &str| rest * posed.at(skeleton.segment(name).unwrap());
+        let segments = PARTS.iter().map(|name| SegmentTrack {
+            name: (*name).to_owned(),
+            position: vec![at(name).translation.vector; frames],
+            rotation: vec![at(name).rotation; frames],
+        });
+        Recording {
+            source: "made up".into(),
+            format: "MVNX v4",
+            sha256: String::new(),
+            rate_hz: 60.0,
+            segments: segments.collect(),
+            segment_lengths_m: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn body(name: &str) -> Body {
+        Body::load(name, Path::new(".")).unwrap()
+    }
+
+    fn found(recording: &Recording, body: &Body) -> OverFeet {
+        over_feet(recording, body, 6.0).unwrap().unwrap()
+    }
+
+    fn departure(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_pelvis_is_found_where_it_was() {
+        let own = body("female_p50");
+        let seen = found(&record(&own, STOOPED, 30), &own);
+        assert!(departure(&seen.pelvis[17], &STOOPED) < 1e-9, "{:?}", seen.pelvis[17]);
+        assert_eq!((seen.pelvis.len(), seen.stepping_share, seen.lowered), (30, 0.0, 0.0));
+        // In leg lengths a body of another size stands alike; only feet are not quite in proportion.
+        let other = found(&record(&body("male_p95"), STOOPED, 30), &own);
+        assert!(departure(&other.pelvis[17], &STOOPED) < 0.01, "{:?}", other.pelvis[17]);
+    }
+
+    #[test]
+    fn feet_that_step_take_the_frame_along() {
+        let own = body("female_p50");
+        let mut recording = record(&own, STOOPED, 30);
+        for track in &mut recording.segments {
+            for (i, at) in track.position.iter_mut().enumerate() {
+                at.x += 0.02 * i as f64;
+            }
+        }
+        let seen = found(&recording, &own);
+        assert!(departure(&seen.pelvis[17], &STOOPED) < 1e-9);
+        assert!(seen.stepping_share > 0.9);
+    }
+
+    #[test]
+    fn a_foot_that_is_turned_backwards_does_not_turn_the_person() {
+        let own = body("female_p50");
+        let mut recording = record(&own, STOOPED, 30);
+        let back = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), std::f64::consts::PI);
+        for track in recording.segments.iter_mut().filter(|t| t.name == "LeftFoot") {
+            track.rotation.iter_mut().for_each(|r| *r = back * *r);
+        }
+        let seen = found(&recording, &own);
+        // The other foot alone points outward by 7 deg.
+        assert!(departure(&seen.pelvis[17], &STOOPED) < 0.13, "{:?}", seen.pelvis[17]);
+    }
+
+    #[test]
+    fn legs_that_would_be_too_short_bring_the_pelvis_down() {
+        let own = body("female_p50");
+        let mut recording = record(&own, [0.0; 6], 30);
+        for track in recording
+            .segments
+            .iter_mut()
+            .filter(|t| !t.name.contains("Foot") && !t.name.contains("Toe"))
+        {
+            track.position.iter_mut().for_each(|at| at.z += 0.05);
+        }
+        let seen = found(&recording, &own);
+        let legs = Legs::new(&own, Stance::Standing { shoe_m: 0.0 }).unwrap();
+        let (short_m, _) = legs.excess_at(&pelvis_in_rest(&seen.pelvis[3], own.leg_m()));
+        assert!(short_m < 1e-9 && seen.lowered > 0.0, "{short_m} {}", seen.lowered);
+        recording.segments.retain(|t| t.name != "LeftFoot");
+        assert_eq!(over_feet(&recording, &own, 6.0).unwrap(), None);
+    }
+}

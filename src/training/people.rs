@@ -1,0 +1,225 @@
+//! Several recorded people: who they are, their movements in bodies of their size, and what of a posture is
+//! compared between a recording and a prediction.
+
+mod file;
+mod left_out;
+
+pub use file::{PEOPLE_SCHEMA, PeopleFile, read_people_file};
+pub use left_out::{
+    FeatureScore, LeftOut, MovementScore, PersonScore, Predictor, PredictorScore, validate,
+};
+
+use super::dataset::{Dataset, Trial};
+use super::source::{Source, Whom, read_source, refuse_twice};
+use crate::files::InputError;
+use crate::human::{Body, BodySize, Coupled, Legs, Pelvis, Side, Stance, pelvis_in_rest};
+use crate::kinematics::{Frames, Linkage};
+use crate::math::Vec3;
+use crate::recording::{Recording, read};
+use rayon::prelude::*;
+
+/// Fewest and most stature (m) that a recorded arm may ask for; beyond, the nearest is taken.
+const STATURES_M: (f64, f64) = (1.3, 2.15);
+/// Mass of a made-up body over the square of its stature, kg/m^2.
+const BODY_MASS_INDEX: f64 = 24.0;
+
+/// A person with recorded movements.
+#[derive(Debug, Clone)]
+pub struct Person {
+    /// Code of the person.
+    pub name: String,
+    /// A body of the person's size.
+    pub body: Body,
+    /// The hand that leads.
+    pub side: Side,
+    /// The movements.
+    pub movements: Vec<Movement>,
+    /// The recordings that they come from, in the same order.
+    pub sources: Vec<Source>,
+}
+
+/// One recorded movement of a person.
+#[derive(Debug, Clone)]
+pub struct Movement {
+    /// Coordinates of the pelvis and joint angles in the person's body.
+    pub trial: Trial,
+    /// What was recorded at each of its rows.
+    pub seen: Vec<Features>,
+}
+
+/// Names of what is compared, in order.
+pub const FEATURES: [&str; 5] = ["pelvis height", "trunk", "upper arm", "elbow", "knees"];
+
+/// Height of the hips (leg lengths), inclination of the trunk, elevation of the upper arm from the trunk,
+/// flexion of the elbow, and of both knees on average (deg).
+pub type Features = [f64; 5];
+
+/// Reads and fits all recordings of all people.
+///
+/// # Errors
+/// Where a recording cannot be read or fitted, or does not hold both legs.
+pub fn read_people(file: &PeopleFile) -> Result<Vec<Person>, InputError> {
+    file.people.iter().map(read_one).collect()
+}
+
+fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
+    let recordings: Result<Vec<Recording>, InputError> =
+        entry.recordings.par_iter().map(|path| read(path, None)).collect();
+    let recordings = recordings?;
+    let body = match &entry.body {
+        Some(body) => body.clone(),
+        None => sized(&entry.name, entry.side, &recordings)?,
+    };
+    let whom = Whom { person: None, side: entry.side, body: &body, pelvis: Some(Pelvis::Moves) };
+    let read: Result<Vec<(Movement, Source)>, InputError> = entry
+        .recordings
+        .par_iter()
+        .zip(&recordings)
+        .map(|(path, recording)| {
+            let source = read_source(path, &whom)?;
+            let seen = recorded(recording, entry.side)?;
+            let trial = source.trials.first().cloned();
+            let trial = trial.ok_or_else(|| InputError::new(path, "holds no movement"))?;
+            Ok((Movement { trial, seen }, source))
+        })
+        .collect();
+    let (movements, sources) = read?.into_iter().unzip();
+    Ok(Person { name: entry.name.clone(), body, side: entry.side, movements, sources })
+}
+
+/// The movements of all people as one data set, in a body in which their postures meet.
+///
+/// # Errors
+/// Where hands of both sides lead, a recording is there twice, or there is too little to learn from.
+pub fn people_dataset(people: &[Person], body: &Body) -> Result<Dataset, InputError> {
+    let side = people.first().map_or(Side::Right, |p| p.side);
+    if let Some(other) = people.iter().find(|p| p.side != side) {
+        let message =
+            format!("leads with the {} hand, and others with the other", side_name(other.side));
+        return Err(InputError::new(&other.name, message)
+            .remedy("learn a model of each side; any model also serves as its mirror image"));
+    }
+    let all: Vec<&Source> = people.iter().flat_map(|p| &p.sources).collect();
+    refuse_twice(&all)?;
+    let trials: Vec<Vec<Trial>> =
+        people.iter().map(|p| p.movements.iter().map(|m| m.trial.clone()).collect()).collect();
+    Dataset::of_people(&trials, body, side)
+}
+
+/// A man's body with arms as long as the recorded ones: nobody says how tall the person is.
+fn sized(name: &str, side: Side, recordings: &[Recording]) -> Result<Body, InputError> {
+    let model = Body::load("male_p50", std::path::Path::new("."))?;
+    let part = |part: &str| format!("{}{part}", side.prefix());
+    let chain = model.chain(
+        Coupled::arm(side),
+        &[&part("UpperArm"), &part("ForeArm"), &part("Hand")].map(String::as_str),
+    )?;
+    let mut frames = Frames::default();
+    chain.forward(&vec![0.0; chain.dof()], &mut frames);
+    let [shoulder, elbow, wrist] = [1, 2, 3].map(|tip| chain.tip_frame(&frames, tip).0);
+    let own = (elbow - shoulder).norm() + (wrist - elbow).norm();
+    let lengths = recordings
+        .iter()
+        .filter_map(|r| Some(r.length_m(&part("UpperArm"))? + r.length_m(&part("ForeArm"))?));
+    let lengths: Vec<f64> = lengths.collect();
+    let recorded = if lengths.is_empty() { own } else { crate::math::stats::mean(&lengths) };
+    let stature = model.size.stature_m * recorded / own;
+    let stature_m = (1e3 * stature.clamp(STATURES_M.0, STATURES_M.1)).round() / 1e3;
+    let mass_kg = (10.0 * BODY_MASS_INDEX * stature_m * stature_m).round() / 10.0;
+    Body::of_size(name, BodySize { stature_m, mass_kg, sex: model.size.sex })
+}
+
+/// What a recording shows at each frame.
+fn recorded(recording: &Recording, side: Side) -> Result<Vec<Features>, InputError> {
+    let track = |name: &str| {
+        recording.segment(name).ok_or_else(|| {
+            InputError::new(&recording.source, format!("has no segment `{name}`"))
+                .remedy("people are compared as a whole: trunk, the leading arm and both legs")
+        })
+    };
+    let of = |part: &str| track(&format!("{}{part}", side.prefix()));
+    let thorax = track("T8")?;
+    let arm = [of("UpperArm")?, of("ForeArm")?, of("Hand")?];
+    let leg = |side: Side| -> Result<_, InputError> {
+        let of = |part: &str| track(&format!("{}{part}", side.prefix()));
+        Ok([of("UpperLeg")?, of("LowerLeg")?, of("Foot")?])
+    };
+    let legs = [leg(Side::Right)?, leg(Side::Left)?];
+    let count = recording.frames();
+    let floors: Vec<f64> = (0..count)
+        .map(|i| legs.iter().map(|l| l[2].position[i].z).fold(f64::INFINITY, f64::min))
+        .collect();
+    let floor = crate::math::stats::quantile(&floors, 0.05);
+    let points = |leg: &[&crate::recording::SegmentTrack; 3], i: usize| leg.map(|t| t.position[i]);
+    let length = |i: usize| {
+        let [h, k, a] = points(&legs[0], i);
+        (k - h).norm() + (a - k).norm()
+    };
+    let leg_m = crate::math::stats::quantile(&(0..count).map(length).collect::<Vec<_>>(), 0.5);
+    Ok((0..count)
+        .map(|i| {
+            let knees = legs.each_ref().map(|leg| bend_deg(points(leg, i)));
+            let hips = 0.5 * (legs[0][0].position[i].z + legs[1][0].position[i].z);
+            let up = thorax.rotation[i] * Vec3::y();
+            let [shoulder, elbow, hand] = points(&arm, i);
+            [
+                (hips - floor) / leg_m,
+                up.angle(&Vec3::z()).to_degrees(),
+                (elbow - shoulder).angle(&-up).to_degrees(),
+                bend_deg([shoulder, elbow, hand]),
+                0.5 * (knees[0] + knees[1]),
+            ]
+        })
+        .collect())
+}
+
+/// Angle at the middle of three points, 0 for a straight line, deg.
+fn bend_deg([a, b, c]: [Vec3; 3]) -> f64 {
+    (b - a).angle(&(c - b)).to_degrees()
+}
+
+/// Tells the same of postures of a body.
+#[derive(Debug, Clone)]
+pub(super) struct Measurer {
+    chain: Linkage,
+    legs: Legs,
+    leg_m: f64,
+}
+
+impl Measurer {
+    pub(super) fn new(body: &Body, side: Side) -> Result<Self, InputError> {
+        let of = |part: &str| format!("{}{part}", side.prefix());
+        let names = ["T8".to_owned(), of("UpperArm"), of("ForeArm"), of("Hand")];
+        let coupled = Coupled { hands: side.into(), pelvis: Pelvis::Moves };
+        let chain = body.chain(coupled, &names.each_ref().map(String::as_str))?;
+        let legs = Legs::new(body, Stance::Standing { shoe_m: 0.0 })?;
+        Ok(Self { chain, legs, leg_m: body.leg_m() })
+    }
+
+    /// Of a posture (pelvis and joints, n, leg lengths and rad).
+    pub(super) fn measure(&self, q: &[f64]) -> Features {
+        let mut frames = Frames::default();
+        self.chain.forward(q, &mut frames);
+        let (_, thorax) = self.chain.tip_frame(&frames, 1);
+        let up: Vec3 = thorax.column(1).into_owned();
+        let [shoulder, elbow, hand] = [2, 3, 4].map(|tip| self.chain.tip_frame(&frames, tip).0);
+        let pelvis = pelvis_in_rest(&q[..6], self.leg_m);
+        let knees = self.legs.postures(&pelvis).map(|leg| -leg.knee.to_degrees());
+        let hips = (pelvis * nalgebra::Point3::from(self.legs.between_hips())).y;
+        let ankles = self.legs.between_feet(false).y;
+        [
+            (hips - ankles) / self.legs.length_m(),
+            up.angle(&Vec3::y()).to_degrees(),
+            (elbow - shoulder).angle(&-up).to_degrees(),
+            bend_deg([shoulder, elbow, hand]),
+            0.5 * (knees[0] + knees[1]),
+        ]
+    }
+}
+
+fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Right => "right",
+        Side::Left => "left",
+    }
+}

@@ -1,0 +1,93 @@
+//! Several people from outside: `ergopath train` and `validate` of a people file.
+
+use crate::common::{assert_refused, ergopath};
+use crate::skips::shared;
+use ergopath::posture::load_model;
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// A people file of some people of the shared recordings with three movements each; none without them.
+fn people(names: &[&str], folder: &Path) -> Option<std::path::PathBuf> {
+    let recordings = shared("recordings/hdm05")?;
+    let first = |name: &str, task: &str, count: usize| {
+        let mut found: Vec<String> = std::fs::read_dir(&recordings)
+            .unwrap()
+            .map(|e| e.unwrap().path().display().to_string())
+            .filter(|p| p.contains(&format!("HDM_{name}_{task}")))
+            .collect();
+        found.sort();
+        found.truncate(count);
+        found
+    };
+    let mut text = String::from("schema = \"ergopath/people/1\"\n");
+    for name in names {
+        let own = [first(name, "depositFloorR", 2), first(name, "grabHighR", 1)].concat();
+        write!(text, "[[person]]\nname = \"{name}\"\nrecordings = {own:?}\n").unwrap();
+    }
+    let path = folder.join("people.toml");
+    std::fs::write(&path, text).unwrap();
+    Some(path)
+}
+
+#[test]
+fn recorded_people_teach_a_whole_person_and_are_predicted() {
+    let room = tempfile::tempdir().unwrap();
+    let Some(file) = people(&["bk", "mm", "tr"], room.path()) else { return };
+    let run = ergopath().arg("validate").arg(&file).arg("--json").assert().code(0);
+    let found: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(said.contains("the pelvis is told from the feet"), "{said}");
+    assert_eq!(found["persons"].as_array().unwrap().len(), 3);
+    let median = |of: &Value| of["posture_error_deg"]["median"].as_f64().unwrap();
+    let baseline = |name: &str| {
+        let all = found["baselines"].as_array().unwrap();
+        median(all.iter().find(|b| b["name"] == name).unwrap())
+    };
+    assert!(median(&found) < 20.0);
+    for name in ["plain-ik", "mean-posture", "nearest-neighbour"] {
+        assert!(median(&found) < baseline(name), "{name}");
+    }
+    let [pooled, worst] = ["pooled", "worst"].map(|k| found["coverage90"][k].as_f64().unwrap());
+    assert!((0.5..1.0).contains(&pooled) && worst < pooled, "{pooled} {worst}");
+    // The fitted body is near what was recorded, whatever is predicted of it.
+    for movement in found["persons"][0]["movements"].as_array().unwrap() {
+        let fit: Vec<f64> =
+            movement["fit_rms"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        assert!(fit[0] < 2.0 && fit[1..].iter().all(|f| *f < 15.0), "{fit:?}");
+    }
+
+    let Some(file) = people(&["bk", "tr"], room.path()) else { return };
+    let check = ergopath().arg("check").arg(&file).assert().code(0);
+    let said = String::from_utf8_lossy(&check.get_output().stdout).into_owned();
+    assert!(said.contains("2 recorded people") && said.contains("`tr`: 3 recordings"), "{said}");
+    let model = room.path().join("two.json");
+    ergopath()
+        .arg("train")
+        .arg(&file)
+        .args(["--body", "male_p50", "-o"])
+        .arg(&model)
+        .assert()
+        .code(0);
+    let (model, _) = load_model(model.to_str().unwrap(), Path::new(".")).unwrap();
+    assert_eq!((model.joints.len(), model.joints[1].as_str()), (30, "pelvis_up"));
+    assert!(model.postures.about_usual.is_some() && !model.provenance.simulated);
+    assert!(model.provenance.notes.iter().any(|n| n.contains("whole people held out, 2 in all")));
+    assert_eq!(model.provenance.recordings.len(), 6);
+}
+
+#[test]
+fn what_is_no_group_of_people_is_refused() {
+    let room = tempfile::tempdir().unwrap();
+    let Some(file) = people(&["bk"], room.path()) else { return };
+    let one = file.to_str().unwrap();
+    let out = room.path().join("m.json");
+    let out = out.to_str().unwrap();
+    let train = ["train", one, "--body", "male_p50", "-o", out];
+    let refused = |words: &[&str], said: &str| assert_refused(ergopath().args(words), said);
+    refused(&["validate", one], "only one person");
+    refused(&[&train[..], &["--pelvis", "rests"]].concat(), "learned as a whole");
+    refused(&[&["train", "x.mvnx"][..], &train[1..]].concat(), "names several people");
+    refused(&["validate", "no_such.toml"], "no_such.toml");
+    assert!(!room.path().join("m.json").exists());
+}
