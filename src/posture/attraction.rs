@@ -30,7 +30,7 @@ const NEAR: f64 = 0.3;
 const SMALLEST_SPREAD_M: f64 = 0.02;
 
 /// Variance of what one person has of their own, and of what one movement has, over that of what all share.
-/// Of the five people of the shared recordings the predictions hardly depend on either.
+/// Assumed: values that served five recorded people in a prototype; others were not tried here.
 const PERSON: f64 = 0.2;
 const MOVEMENT: f64 = 0.5;
 

@@ -67,7 +67,7 @@ impl<'a> LegTracks<'a> {
 /// The pelvis of a recorded person over the feet, in a body; none where a recording holds no legs.
 ///
 /// # Errors
-/// Where the body's legs are not straight at zero angles.
+/// Where the body's legs are not straight at zero angles, or a recorded leg is not finite.
 pub(super) fn over_feet(
     recording: &Recording,
     body: &Body,
@@ -100,6 +100,11 @@ pub(super) fn over_feet(
         Pose::from_parts(at.into(), rotation)
     };
     let raw: Vec<_> = (0..count).map(|i| pelvis_coordinates(&in_feet(i), body.leg_m())).collect();
+    if let Some(i) = raw.iter().position(|row| row.iter().any(|v| !v.is_finite())) {
+        let message = format!("frame {i} holds a leg that is nowhere or has no length");
+        return Err(InputError::new(&recording.source, message)
+            .remedy("cut the recording where tracking was lost, or leave the pelvis at rest"));
+    }
     let columns: Vec<Vec<f64>> = (0..6)
         .map(|c| {
             let column: Vec<f64> = raw.iter().map(|row| row[c]).collect();
@@ -262,6 +267,10 @@ mod tests {
         let legs = Legs::new(&own, Stance::Standing { shoe_m: 0.0 }).unwrap();
         let (short_m, _) = legs.excess_at(&pelvis_in_rest(&seen.pelvis[3], own.leg_m()));
         assert!(short_m < 1e-9 && seen.lowered > 0.0, "{short_m} {}", seen.lowered);
+        let mut lost = recording.clone();
+        lost.segments[1].position[9].x = f64::NAN;
+        let error = over_feet(&lost, &own, 6.0).unwrap_err();
+        assert!(error.message().contains("holds a leg"), "{error}");
         recording.segments.retain(|t| t.name != "LeftFoot");
         assert_eq!(over_feet(&recording, &own, 6.0).unwrap(), None);
     }

@@ -87,20 +87,26 @@ fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
     Ok(Person { name: entry.name.clone(), body, side: entry.side, movements, sources })
 }
 
-/// The movements of all people as one data set, in a body in which their postures meet.
-///
-/// # Errors
-/// Where hands of both sides lead, a recording is there twice, or there is too little to learn from.
-pub fn people_dataset(people: &[Person], body: &Body) -> Result<Dataset, InputError> {
-    let side = people.first().map_or(Side::Right, |p| p.side);
-    if let Some(other) = people.iter().find(|p| p.side != side) {
+/// Refuses people who cannot be taken together: hands of both sides, or a recording that is there twice.
+fn refuse_unlike(people: &[Person]) -> Result<(), InputError> {
+    let side = people.first().map(|p| p.side);
+    if let Some(other) = people.iter().find(|p| Some(p.side) != side) {
         let message =
             format!("leads with the {} hand, and others with the other", side_name(other.side));
         return Err(InputError::new(&other.name, message)
             .remedy("learn a model of each side; any model also serves as its mirror image"));
     }
     let all: Vec<&Source> = people.iter().flat_map(|p| &p.sources).collect();
-    refuse_twice(&all)?;
+    refuse_twice(&all)
+}
+
+/// The movements of all people as one data set, in a body in which their postures meet.
+///
+/// # Errors
+/// Where hands of both sides lead, a recording is there twice, or there is too little to learn from.
+pub fn people_dataset(people: &[Person], body: &Body) -> Result<Dataset, InputError> {
+    refuse_unlike(people)?;
+    let side = people.first().map_or(Side::Right, |p| p.side);
     let trials: Vec<Vec<Trial>> =
         people.iter().map(|p| p.movements.iter().map(|m| m.trial.clone()).collect()).collect();
     Dataset::of_people(&trials, body, side)

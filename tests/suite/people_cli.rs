@@ -89,5 +89,14 @@ fn what_is_no_group_of_people_is_refused() {
     refused(&[&train[..], &["--pelvis", "rests"]].concat(), "learned as a whole");
     refused(&[&["train", "x.mvnx"][..], &train[1..]].concat(), "names several people");
     refused(&["validate", "no_such.toml"], "no_such.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let own = text
+        .split_once("[[person]]")
+        .unwrap()
+        .1
+        .replace("bk", "again")
+        .replace("HDM_again", "HDM_bk");
+    std::fs::write(&file, format!("{text}[[person]]{own}")).unwrap();
+    refused(&["validate", one], "is given twice");
     assert!(!room.path().join("m.json").exists());
 }

@@ -12,7 +12,7 @@ use super::super::methods::{Law, learn_laws};
 use super::super::rollout_check::{band_end, sampled_law, walk_path};
 use super::super::settings::TrainSettings;
 use super::super::spread::{learn_about_usual, learn_attraction, learn_postures};
-use super::{FEATURES, Features, Measurer, Movement, Person};
+use super::{FEATURES, Features, Measurer, Movement, Person, refuse_unlike};
 use crate::files::InputError;
 use crate::human::Body;
 use crate::math::stats::mean;
@@ -131,7 +131,8 @@ pub struct LeftOut {
 /// on. `common` is the body in which the others' postures meet.
 ///
 /// # Errors
-/// Where there are fewer than two people, or too little or nothing moves.
+/// Where there are fewer than two people, hands of both sides lead, a recording is there twice, or too
+/// little or nothing moves.
 pub fn validate(
     people: &[Person],
     common: &Body,
@@ -142,6 +143,7 @@ pub fn validate(
         return Err(InputError::new("people", "there is only one person")
             .remedy("somebody must be left out, and somebody else must teach"));
     }
+    refuse_unlike(people)?;
     let mut scores = Vec::new();
     for (i, person) in people.iter().enumerate() {
         if !told(i, people.len()) {
@@ -235,7 +237,7 @@ fn left_out(
     })
 }
 
-/// Differences in the units of the scores: cm of the recorded legs would need them; leg lengths times 100.
+/// A difference in the unit of the scores: of hips, leg lengths become cm of a leg of `leg_m`.
 fn in_units(difference: f64, feature: usize, leg_m: f64) -> f64 {
     if feature == 0 { 100.0 * leg_m * difference } else { difference }
 }
@@ -444,6 +446,10 @@ mod tests {
         let mut stop = |_: usize, _: usize| false;
         assert!(validate(&people, &body, &settings, &mut stop).unwrap().is_none());
         assert!(validate(&people[..1], &body, &settings, &mut stop).is_err());
+        let mut unlike = people;
+        unlike[2].side = Side::Left;
+        let error = validate(&unlike, &body, &settings, &mut stop).unwrap_err();
+        assert!(error.message().contains("left hand"), "{error}");
     }
 
     #[test]
