@@ -212,6 +212,10 @@ pub fn solve(problem: &Problem) -> Outcome {
         Outcome::NotConverged { status: Stop::InsufficientProgress | Stop::NumericalError } => {
             by(exact_settings())
         }
+        reduced @ Outcome::Solved { is_reduced: true, .. } => match by(exact_settings()) {
+            Outcome::NotConverged { .. } => reduced,
+            exact => exact,
+        },
         other => other,
     }
 }

@@ -6,6 +6,17 @@ use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 
+const PREDICTORS: &str = "  \
+  RMS error over time against the recording, mean over movements. full-w is what `train` learns,
+  diagonal-w the same with a diagonal W, plain-ik the plain pseudo-inverse without usual postures.
+  The last three need not reach the hand: regression is the usual posture at its place,
+  nearest-neighbour the posture of the recorded hand closest to it, mean-posture one posture for all.
+  The fitted body, made to follow the recording itself, is as close as its joints allow.";
+
+const BANDS: &str = "  \
+  Share of the recorded frames inside the band. The band knows only the path of the hand and the size
+  of the body, as in a plan. Below 90 % it is too narrow: people differ more than it says.";
+
 fn movements(found: &LeftOut) -> Vec<&MovementScore> {
     found.people.iter().flat_map(|p| &p.movements).collect()
 }
@@ -93,6 +104,7 @@ pub(super) fn print_text(found: &LeftOut) {
     table.add_row(row);
     right(&mut table);
     say!("\n{table}");
+    say!("{PREDICTORS}");
     let mut table = Table::new();
     let header: Vec<&str> =
         std::iter::once("90 % bands of strangers hold").chain(FEATURES).collect();
@@ -113,6 +125,7 @@ pub(super) fn print_text(found: &LeftOut) {
     table.add_row(row);
     right(&mut table);
     say!("\n{table}");
+    say!("{BANDS}");
     say!(
         "\nenergy score of the four angles {:.1} deg; repetitions that lost the hand: {}",
         mean(&all.iter().map(|m| m.energy_deg).collect::<Vec<_>>()),

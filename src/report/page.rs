@@ -9,7 +9,6 @@ use super::style::{css, method_levels};
 use super::view::View;
 use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
 use crate::planner::{BodyScores, MethodScores, Severity};
-use crate::scenario::Origin;
 use crate::words;
 use crate::words::number::{change, percent, score};
 use base64::Engine;
@@ -174,7 +173,6 @@ fn verdict(view: &View) -> Markup {
         @for caution in words::verdict::findings(result, Severity::Caution) {
             p.warning { strong { "Caution: " } (ticked(&caution)) }
         }
-        (most_influential(view))
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(&words::setting::warning(warning))) } }
         @if view.lead.is_some() { p.note {
             "90 % band: nine out of ten repetitions lie within it. Standard error: how far the mean itself may be \
@@ -183,26 +181,6 @@ fn verdict(view: &View) -> Markup {
              (score 5 or more) means: investigate and change soon. Peak: the score that is exceeded for 5 % of the time, \
              median over repetitions, interpolated within whole scores."
         } }
-    }
-}
-
-/// The assumption that moves the expected RULA most, if any moves it.
-fn most_influential(view: &View) -> Markup {
-    let lead = ScoringMethod::Rula;
-    let assumed = view.result.inputs.iter().filter(|i| i.origin == Origin::Assumed);
-    let changes = assumed.filter_map(|i| i.if_changed.as_ref().map(|c| (i, c)));
-    let most = changes.max_by(|a, b| a.1.change[lead].abs().total_cmp(&b.1.change[lead].abs()));
-    let Some((input, to)) = most.filter(|(_, c)| c.change[lead].abs() >= 0.005) else {
-        return html! {};
-    };
-    let (name, value) = words::cell::input(&input.input);
-    let changed: Vec<String> =
-        to.change.iter().map(|(m, c)| format!("{} by {}", m.name(), change(*c))).collect();
-    html! {
-        p {
-            "Most influential assumption: " (name) " (" (value) "). With " (words::cell::alternative(&to.to))
-            " instead, the expected scores would change: " (changed.join(", ")) "."
-        }
     }
 }
 

@@ -39,6 +39,20 @@ pub fn plan(room: &TempDir, scenario: &Path, output: &str) -> Command {
     command
 }
 
+/// The first three movements of the shipped demonstration, as a file of its own in the folder.
+pub fn short_demonstration(room: &Path) -> PathBuf {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("scenarios/demonstrations/simulated_operator.csv");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let is_kept = |line: &&str| {
+        let trial = line.split(',').next().and_then(|t| t.parse::<f64>().ok());
+        trial.is_none_or(|t| t < 4.0)
+    };
+    let path = room.join("three.csv");
+    std::fs::write(&path, text.lines().filter(is_kept).collect::<Vec<_>>().join("\n")).unwrap();
+    path
+}
+
 /// All files below a folder with their bytes.
 pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut all = BTreeMap::new();

@@ -127,7 +127,9 @@ fn exported_data_and_recordings_are_judged_with_rollouts() {
     // What train exports is what evaluate reads.
     let (model, data) = (folder.path().join("m.json"), folder.path().join("d.csv"));
     let (model, data) = (model.to_str().unwrap(), data.to_str().unwrap());
-    ergopath(&["train", demo, "--body", "female_p50", "-o", model, "--export", data]).success();
+    let three = common::short_demonstration(folder.path());
+    let three = three.to_str().unwrap();
+    ergopath(&["train", three, "--body", "female_p50", "-o", model, "--export", data]).success();
     ergopath(&[
         "evaluate",
         data,

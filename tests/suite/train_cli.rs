@@ -1,6 +1,6 @@
 //! `ergopath train` from outside: the shipped demonstration again, and what it refuses.
 
-use crate::common::ergopath;
+use crate::common::{ergopath, short_demonstration};
 use assert_cmd::Command;
 use ergopath::posture::load_model;
 use serde_json::Value;
@@ -168,18 +168,6 @@ fn the_comparison_of_pictures_sees_what_is_missing() {
     assert!(moved.unlike(&whole) <= UNLIKE, "{}", moved.unlike(&whole));
 }
 
-/// The first three movements of the shipped demonstration.
-fn short_demonstration(room: &Path) -> PathBuf {
-    let text = std::fs::read_to_string(project(DEMONSTRATION)).unwrap();
-    let is_kept = |line: &&str| {
-        let trial = line.split(',').next().and_then(|t| t.parse::<f64>().ok());
-        trial.is_none_or(|t| t < 4.0)
-    };
-    let path = room.join("three.csv");
-    std::fs::write(&path, text.lines().filter(is_kept).collect::<Vec<_>>().join("\n")).unwrap();
-    path
-}
-
 #[test]
 fn pictures_are_those_that_the_method_has_and_replace_their_like() {
     let room = tempfile::tempdir().unwrap();
@@ -247,7 +235,7 @@ fn the_shipped_model_loads_and_says_that_it_is_simulated() {
 fn json_is_for_machines() {
     let room = tempfile::tempdir().unwrap();
     let model = room.path().join("m.json");
-    let run = train(&project(DEMONSTRATION), &model)
+    let run = train(&short_demonstration(room.path()), &model)
         .args(["--json", "--method", "mi-nsgp", "--pull", "none"])
         .assert()
         .success();

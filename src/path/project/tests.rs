@@ -224,6 +224,10 @@ proptest! {
 fn what_once_gave_no_answer_is_projected() {
     let goal = (0.0, 0.152_970_381_878_651_78, -0.089_077_292_975_416_11);
     each_passes_the_independent_check(286_448, goal, 0.0, (1.5, 160), false, 0.02).unwrap();
+    // Solved, but the path was over its limits by more than rounding.
+    let goal = (-0.086_800_476_588_526_58, 0.0, 0.293_460_723_613_954);
+    let steps = (1.563_993_430_829_263, 160);
+    each_passes_the_independent_check(0, goal, 0.0, steps, false, 0.02).unwrap();
 }
 
 fn each_passes_the_independent_check(
