@@ -26,7 +26,9 @@ mod hand_path;
 mod inducing;
 mod kernel;
 mod law;
+mod lowness;
 mod model;
+mod modes;
 mod noise;
 mod pair;
 mod primitive;
@@ -46,10 +48,14 @@ pub use grips::Grips;
 pub use hand_path::{HandPath, postures_at};
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Draw, Floors, PostureLaw, Prediction, Query, Sampler, Sampling};
+pub use lowness::Lowness;
 pub use model::{
-    Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
+    LowPostures, Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
 };
-pub use noise::{Clock, Drift, DriftPath, Noise, NoisePath, NoiseShares, gain, speed_squared};
+pub use modes::{LowMovement, Mixture, Mode, Modes, low_place};
+pub use noise::{
+    Clock, Drift, DriftPath, LowNoise, Noise, NoisePath, NoiseShares, gain, speed_squared,
+};
 pub use pair::Pair;
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};

@@ -14,9 +14,11 @@ mod axes;
 mod checks;
 mod mvnx;
 mod mvnx_parse;
+mod remark;
 mod rigid_bodies;
 
 pub use axes::{SEGMENT_NAMES, zxy_angles};
+pub use remark::{Remark, grouped};
 pub use rigid_bodies::{RIGID_BODY_RATE_HZ, read_rigid_bodies};
 
 use crate::files::InputError;
@@ -42,8 +44,8 @@ pub struct Recording {
     /// ends at its finger tip (MVNX only). `ShoulderToShoulder` and `HipToHip` are the distances
     /// between the right and left joint centres while all segments are parallel to the trunk.
     pub segment_lengths_m: Vec<(String, f64)>,
-    /// Conventions applied, frames skipped and what looks suspicious: for people to read.
-    pub notes: Vec<String>,
+    /// Conventions applied, frames skipped and what looks suspicious.
+    pub remarks: Vec<Remark>,
 }
 
 /// The pose of one segment over time.

@@ -22,14 +22,17 @@ mod dataset;
 mod evaluate;
 mod export;
 mod fit;
-mod fit_notes;
+
+mod fit_remarks;
 mod fit_report;
 #[cfg(test)]
 mod fit_tests;
 #[cfg(test)]
 mod head_tests;
 mod held_out_curves;
+mod measurer;
 mod methods;
+mod modes;
 mod motion_file;
 mod noise_fit;
 mod over_feet;
@@ -41,11 +44,13 @@ mod simulated_movements;
 mod size_experiment;
 mod source;
 mod spread;
+mod strangers;
 mod targets;
 pub mod toy5r;
 mod toy5r_experiment;
 pub mod toy5r_paper;
 mod train;
+mod way;
 mod weight_spread;
 
 pub use calibration_experiment::{CalibrationCell, run_calibration};
@@ -69,7 +74,7 @@ pub use rollout_check::{
 pub use settings::{Lengths, Objective, Optimiser, PullRule, TrainSettings};
 pub use simulated_movements::{Reach, SimulatedMovements};
 pub use size_experiment::{SizeExperiment, SizeQuestion, SizeRow, size_experiment};
-pub use source::{Angles, Source, Whom, provenance, read_person, read_source};
+pub use source::{Angles, Source, Whom, provenance, read_person, read_source, remarks_of};
 pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};
 pub use toy5r_experiment::{
     InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,

@@ -253,7 +253,7 @@ fn recording(r: &Recording) -> Explained {
             r.segments.len(),
             r.segments.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ")
         ));
-    explained.notes.extend(r.notes.iter().cloned());
+    explained.notes.extend(r.remarks.iter().map(|r| r.text.clone()));
     explained
 }
 

@@ -10,7 +10,7 @@ use crate::kinematics::{Linkage, read_urdf};
 use crate::posture::{Hold, Method, Sampling};
 use crate::training::{
     DataFile, Dataset, Evaluation, Fold, Judging, Lengths, MethodScore, Objective, Optimiser,
-    PullRule, TrainSettings, Trial, Whom, evaluate, read_data, read_source,
+    PullRule, Source, TrainSettings, Trial, Whom, evaluate, read_data, read_source, remarks_of,
 };
 use std::path::{Path, PathBuf};
 
@@ -290,14 +290,14 @@ fn problems(args: &Args) -> Result<Vec<Problem>, InputError> {
 fn recorded(args: &Args, body: &Body) -> Result<Vec<Problem>, InputError> {
     let whom =
         Whom { person: args.person.as_deref(), side: args.side, body, pelvis: Some(args.pelvis) };
-    let mut sources: Vec<(String, Vec<Trial>)> = Vec::new();
-    for path in &args.data {
-        let found = read_source(path, &whom)?;
-        for note in &found.notes {
-            complain!("warning: {note}");
-        }
-        sources.push((found.name, found.trials));
+    let sources: Result<Vec<Source>, InputError> =
+        args.data.iter().map(|path| read_source(path, &whom)).collect();
+    let sources = sources?;
+    for remark in remarks_of(&sources) {
+        complain!("warning: {remark}");
     }
+    let sources: Vec<(String, Vec<Trial>)> =
+        sources.into_iter().map(|s| (s.name, s.trials)).collect();
     let count: usize = sources.iter().map(|s| s.1.len()).sum();
     let split = match args.split {
         Some(Split::TrainColumn) => {

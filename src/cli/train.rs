@@ -10,7 +10,7 @@ use crate::report::{Learned, ReportError, held_out_figure, weights_figure};
 use crate::training::people::{Person, people_dataset, read_people, read_people_file};
 use crate::training::{
     Dataset, PullRule, Source, TrainSettings, Whom, data_csv, held_out_curves, provenance,
-    read_person, train, weight_spread,
+    read_person, remarks_of, train, weight_spread,
 };
 use std::path::{Path, PathBuf};
 
@@ -120,6 +120,10 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
     // What cannot be written must not cost minutes.
     outputs.expect_file(&args.output, MODEL_SCHEMA.as_bytes())?;
     args.figures.as_deref().map_or(Ok(()), |folder| outputs.expect_folder(folder))?;
+    // Known before minutes are spent.
+    for remark in remarks_of(&sources) {
+        complain!("warning: {remark}");
+    }
     let model = train(&dataset, &name, args.method, &settings, provenance(&sources, &whom))?;
     let mut pictures = Vec::new();
     if let Some(folder) = &args.figures {
@@ -132,9 +136,6 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
     }
     outputs.file(&args.output, model_text(&model)?)?;
     outputs.write()?;
-    for note in sources.iter().flat_map(|s| &s.notes) {
-        complain!("warning: {note}");
-    }
     if args.json {
         print_json(&sources, &dataset, &model, &pictures);
     } else {

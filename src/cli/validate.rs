@@ -5,8 +5,8 @@ use super::validate_print::{as_json, print_text};
 use super::{Failure, Outcome};
 use crate::files::InputError;
 use crate::human::Body;
-use crate::training::TrainSettings;
 use crate::training::people::{read_people, read_people_file, validate};
+use crate::training::{TrainSettings, remarks_of};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `validate`.
@@ -39,8 +39,8 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let Some(found) = found else {
         return Err(InputError::new(&args.people, "was not finished: interrupted").into());
     };
-    for note in people.iter().flat_map(|p| &p.sources).flat_map(|s| &s.notes) {
-        complain!("warning: {note}");
+    for remark in remarks_of(people.iter().flat_map(|p| &p.sources)) {
+        complain!("warning: {remark}");
     }
     if args.json {
         say!("{}", as_json(&found));

@@ -34,7 +34,7 @@ fn rms(movements: &[&MovementScore], predictor: Predictor, feature: usize) -> f6
 fn coverage(movements: &[&MovementScore], feature: usize, level: usize) -> f64 {
     let frames: usize = movements.iter().map(|m| m.frames).sum();
     let inside: f64 =
-        movements.iter().map(|m| m.frames as f64 * m.features[feature].coverage[level]).sum();
+        movements.iter().map(|m| m.frames as f64 * m.bands.features[feature].coverage[level]).sum();
     inside / frames.max(1) as f64
 }
 
@@ -74,8 +74,9 @@ pub(super) fn as_json(found: &LeftOut) -> Value {
         "posture_error_deg": error(Predictor::FullW),
         "coverage50": {"pooled": pooled(&all, 0), "worst": worst(found, 0)},
         "coverage90": {"pooled": pooled(&all, 1), "worst": worst(found, 1)},
-        "energy_score_deg": mean(&all.iter().map(|m| m.energy_deg).collect::<Vec<_>>()),
-        "ended_share": mean(&all.iter().map(|m| m.ended_share).collect::<Vec<_>>()),
+        "energy_score_deg": mean(&all.iter().map(|m| m.bands.energy_deg).collect::<Vec<_>>()),
+        "energy_score_one_law_deg": mean(&all.iter().map(|m| m.one_law.energy_deg).collect::<Vec<_>>()),
+        "ended_share": mean(&all.iter().map(|m| m.bands.ended_share).collect::<Vec<_>>()),
         "baselines": baselines,
     })
 }
@@ -119,17 +120,31 @@ pub(super) fn print_text(found: &LeftOut) {
     let mut row = vec!["all".to_owned()];
     row.extend((0..FEATURES.len()).map(|f| percent(coverage(&all, f, 1))));
     table.add_row(row);
-    let width = |f: usize| mean(&all.iter().map(|m| m.features[f].width_90).collect::<Vec<_>>());
+    let width =
+        |f: usize| mean(&all.iter().map(|m| m.bands.features[f].width_90).collect::<Vec<_>>());
     let mut row = vec!["width, cm and deg".to_owned()];
     row.extend((0..FEATURES.len()).map(|f| format!("{:.0}", width(f))));
     table.add_row(row);
     right(&mut table);
     say!("\n{table}");
     say!("{BANDS}");
+    let told: Vec<&MovementScore> = all.iter().copied().filter(|m| !m.modes.is_empty()).collect();
+    if !told.is_empty() {
+        let energy =
+            |of: fn(&MovementScore) -> f64| mean(&told.iter().map(|m| of(m)).collect::<Vec<_>>());
+        say!(
+            "\nstraighter and bent knees are told apart in {} of {} movements: energy score {:.1} deg \
+             there, {:.1} deg by one law",
+            told.len(),
+            all.len(),
+            energy(|m| m.bands.energy_deg),
+            energy(|m| m.one_law.energy_deg)
+        );
+    }
     say!(
         "\nenergy score of the four angles {:.1} deg; repetitions that lost the hand: {}",
-        mean(&all.iter().map(|m| m.energy_deg).collect::<Vec<_>>()),
-        percent(mean(&all.iter().map(|m| m.ended_share).collect::<Vec<_>>()))
+        mean(&all.iter().map(|m| m.bands.energy_deg).collect::<Vec<_>>()),
+        percent(mean(&all.iter().map(|m| m.bands.ended_share).collect::<Vec<_>>()))
     );
 }
 

@@ -11,8 +11,8 @@ use crate::human::{
 use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Behaviour, Certain, Coupling, Grips, Hold, Modelled, PostureLaw, Start, StartRule,
-    start_postures,
+    Behaviour, Certain, Coupling, Grips, Hold, Mixture, Modelled, PostureLaw, Start, StartRule,
+    low_place, start_postures,
 };
 use crate::robot::{Robot, stick};
 use crate::scenario::{Scenario, Variant};
@@ -202,8 +202,9 @@ impl<'a> Person<'a> {
         let first = numbers.start;
         let is_sure = numbers.len() == 1 && block == (0, 0);
         let heads = numbers.clone().map(|r| self.head(block, r, is_sure)).collect();
-        let postures = behaviour.postures_at(&self.coupling, &asked[0]);
-        let starts = start_postures(&self.coupling, &postures, rule, asked[0], block, numbers);
+        let mixture = self.mixture(path, behaviour);
+        let mixed = mixture.as_ref();
+        let starts = behaviour.starts(&self.coupling, &asked[0], mixed, rule, block, numbers);
         let mut starts: Vec<Start> =
             starts.into_iter().map(|s| s.among(behaviour.postures())).collect();
         let at = (&path.time_s[..], &asked[..]);
@@ -215,7 +216,26 @@ impl<'a> Person<'a> {
             self.own(q);
         }
         let led: Vec<Pose> = hands.iter().map(|g| g.first).collect();
-        Repetitions::measured(&self.surveyor, repeated, (starts, heads), (&path.time_s, &led))
+        let measured =
+            Repetitions::measured(&self.surveyor, repeated, (starts, heads), (&path.time_s, &led));
+        Repetitions { mixture, ..measured }
+    }
+
+    /// How often each mode occurs on a path, by where its lowest place is from the feet of the scenario. Where
+    /// the planner chooses the standing place nothing is known of that: people in recordings stood as they
+    /// were used to.
+    fn mixture(&self, path: &TimedPath, behaviour: &dyn Behaviour) -> Option<Mixture> {
+        if self.scenario.free.moves_worker() {
+            return None;
+        }
+        let given = self.scenario.nominal();
+        let to_rest = self.pelvis(&given).inverse();
+        let hands: Vec<Pose> = path
+            .poses
+            .iter()
+            .map(|tcp| self.asked(&self.grips(tcp, &to_rest, &given)).first)
+            .collect();
+        behaviour.mixture(low_place(&hands, self.coupling.stature_m()))
     }
 
     /// A given start posture as the model's side.

@@ -1,7 +1,7 @@
 //! Repetitions of one body along one path, with the angles of every frame.
 
 use crate::math::Pose;
-use crate::posture::{Repeated, Rollout, Start};
+use crate::posture::{Mixture, Repeated, Rollout, Start};
 use crate::survey::{HeadDraw, PostureAngles, Surveyor};
 use rayon::prelude::*;
 
@@ -25,6 +25,8 @@ pub(super) struct Repetitions {
     /// Each sample's share of the hand travel.
     pub travel: Vec<f64>,
     pub extrapolation_share: f64,
+    /// How often each mode occurs; none where they are not told apart.
+    pub mixture: Option<Mixture>,
 }
 
 impl Repetitions {
@@ -44,7 +46,7 @@ impl Repetitions {
         let intervals = time_s.len().saturating_sub(1).max(1) as f64;
         let dt = (time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0)) / intervals;
         let extrapolation_share = repeated.extrapolation_share;
-        Self { all, dt, travel: travel_shares(hand), extrapolation_share }
+        Self { all, dt, travel: travel_shares(hand), extrapolation_share, mixture: None }
     }
 }
 

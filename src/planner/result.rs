@@ -356,6 +356,9 @@ pub struct BodyStrain {
     pub trunk_flexion_deg: Spread,
     /// Largest flexion of a knee, deg; none where the pelvis rests, as the other figures of the legs.
     pub knee_flexion_deg: Option<Spread>,
+    /// Ways of doing it that are told apart; empty where there is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<ModeShare>,
     /// Share of repetitions in which a knee passes 60 deg.
     pub bent_knees_share: Option<f64>,
     /// Share of repetitions in which both heels rise.
@@ -373,6 +376,25 @@ pub struct BodyStrain {
     pub stretched_share: Option<f64>,
     /// The body against the obstacles; none where there are none.
     pub furniture: Option<FurnitureClearance>,
+}
+
+/// How often people go about it in one way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModeShare {
+    /// Mean inclination of the trunk of recorded people where their hand was lowest, deg.
+    pub trunk_deg: f64,
+    /// Mean flexion of their knees there, deg.
+    pub knees_deg: f64,
+    /// Share of people's movements there.
+    pub share: f64,
+    /// Its 5 and 95 % quantile, by how many recorded movements speak of it.
+    pub share_90: [f64; 2],
+    /// Share of the repetitions.
+    pub of_repetitions: f64,
+    /// How many recorded movements with the hand near there this rests on.
+    pub movements_near: f64,
+    /// Of how many low ones in all, and of how many people.
+    pub movements: [usize; 2],
 }
 
 /// How near the body, but hand and forearm on the handle, comes to the obstacles over the repetitions. The

@@ -4,7 +4,7 @@
 use super::cell_findings::SOFT_M;
 use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
-use super::result::{BodyStrain, FurnitureClearance, Spread};
+use super::result::{BodyStrain, FurnitureClearance, ModeShare, Spread};
 use crate::ergonomics::{
     LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftTask, assess_lift,
     lift_from_path,
@@ -12,6 +12,7 @@ use crate::ergonomics::{
 use crate::human::{Hands, Pelvis, Stance};
 use crate::math::Vec3;
 use crate::math::stats::{mean, quantile};
+use crate::posture::Mode;
 use crate::scenario::{Scenario, Variant};
 use crate::survey::{Lens, PostureAngles};
 use crate::trajectory::TimedPath;
@@ -58,6 +59,7 @@ impl Repetitions {
         Some(BodyStrain {
             trunk_flexion_deg: spread(&most(&|a| a.trunk_neck(lens.neck).trunk_flex_deg)),
             knee_flexion_deg: moves.then(|| spread(&knees)),
+            modes: self.mode_shares(scenario),
             bent_knees_share: moves.then(|| share(bent)),
             raised_heels_share: moves.then(|| share(raised)),
             balance_margin_m: moves.then(|| spread(&margins).negative()),
@@ -67,6 +69,26 @@ impl Repetitions {
             stretched_share: self.stretched_share(scenario.worker.pelvis),
             furniture: self.furniture(scenario, (path, variant), person),
         })
+    }
+
+    /// How often each mode occurs.
+    fn mode_shares(&self, scenario: &Scenario) -> Vec<ModeShare> {
+        let (Some(mixture), Some(modes)) = (&self.mixture, &scenario.worker.model.modes) else {
+            return Vec::new();
+        };
+        let of = |(k, mode): (usize, &Mode)| {
+            let own = self.all.iter().filter(|r| r.start.mode == Some(k)).count();
+            ModeShare {
+                trunk_deg: mode.trunk_deg,
+                knees_deg: mode.knees_deg,
+                share: mixture.shares[k],
+                share_90: [0.05, 0.95].map(|p| mixture.quantile(k, p)),
+                of_repetitions: own as f64 / self.all.len() as f64,
+                movements_near: mixture.near,
+                movements: [modes.low.len(), modes.people],
+            }
+        };
+        modes.all.iter().enumerate().map(of).collect()
     }
 
     /// Share of repetitions that reach only just or not at all; none on a pelvis that does not move.

@@ -9,6 +9,7 @@
 //! ```
 
 use super::model::PostureModel;
+use super::modes::{Mode, Modes};
 use super::pair::Pair;
 use crate::human::{PELVIS_JOINTS, Pelvis};
 use nalgebra::DMatrix;
@@ -46,12 +47,23 @@ impl PostureModel {
         if !law.processes.is_empty() || law.primitive.is_some() || law.is_direct {
             return Err(Unsuitable::Method);
         }
-        let mut model = self.clone();
+        let mut model = Self { modes: None, ..self.clone() };
         if held > 0 {
             model.hold(held).ok_or(Unsuitable::Singular)?;
         }
         if both_hands {
             model.pair().ok_or(Unsuitable::Singular)?;
+        }
+        // Modes go by where the feet stand: who sits has none.
+        if let Some(modes) = self.modes.as_ref().filter(|_| held == 0) {
+            let of = |mode: &Mode| {
+                let (law, postures) = (mode.law.clone(), mode.postures.clone());
+                let own = Self { law, postures, modes: None, ..self.clone() };
+                let Self { law, postures, .. } = own.adapted(pelvis, both_hands)?;
+                Ok(Mode { law, postures, ..*mode })
+            };
+            let all = modes.all.iter().map(of).collect::<Result<_, _>>()?;
+            model.modes = Some(Modes { all, ..modes.clone() });
         }
         Ok(model)
     }
@@ -73,6 +85,10 @@ impl PostureModel {
         if let Some(about) = &mut self.postures.about_usual {
             *about = rest(about, a, &by_place);
         }
+        if let Some(low) = &mut self.postures.low {
+            let by_place = slopes(&low.about_usual, a)?;
+            low.about_usual = rest(&low.about_usual, a, &by_place);
+        }
         let mean = &self.postures.mean;
         let (held, free) = (mean.rows(0, a).into_owned(), mean.rows_range(a..).into_owned());
         self.postures.covariance = rest(spread, a, &by_posture);
@@ -90,6 +106,10 @@ impl PostureModel {
         let floored = &covariance + DMatrix::identity(factor.nrows(), factor.nrows()) * floor;
         let by_noise = slopes(&floored, a)?;
         self.law.noise.factor = factor.rows_range(a..) - by_noise * factor.rows(0, a);
+        if let Some(low) = &mut self.law.noise.low {
+            low.high = low.high.rows_range(a..).into_owned();
+            low.low = low.low.rows_range(a..).into_owned();
+        }
         self.joints.drain(..a);
         Some(())
     }
@@ -114,6 +134,10 @@ impl PostureModel {
         self.law.noise.factor = DMatrix::from_fn(eigen.eigenvalues.len(), kept.len(), |r, c| {
             eigen.eigenvectors[(r, kept[c])] * eigen.eigenvalues[kept[c]].sqrt()
         });
+        if let Some(low) = &mut self.law.noise.low {
+            low.high = pair.sizes(&low.high);
+            low.low = pair.sizes(&low.low);
+        }
         self.joints = pair.joints(&self.joints);
         self.law.pair = Some(pair);
         Some(())

@@ -1,9 +1,12 @@
 //! The file of a posture model: JSON with a schema, checked when read. Owner of `models/posture`.
 
 use super::attraction::{Attraction, Pull};
-use super::model::PostureModel;
+use super::law::PostureLaw;
+use super::model::{PostureDistribution, PostureModel};
+use super::modes::LowMovement;
 use super::noise::Clock;
 use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -82,37 +85,66 @@ fn parse(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> 
 
 fn check(model: &PostureModel) -> Result<(), String> {
     let n = model.joints.len();
+    check_way(&model.law, &model.postures, n)?;
+    let Some(modes) = &model.modes else { return Ok(()) };
+    for mode in &modes.all {
+        check_way(&mode.law, &mode.postures, n).map_err(|e| format!("mode: {e}"))?;
+    }
+    let is_share = |m: &LowMovement| {
+        m.memberships.len() == modes.all.len()
+            && m.memberships.iter().all(|p| (0.0..=1.0).contains(p))
+            && (m.memberships.iter().sum::<f64>() - 1.0).abs() < 1e-6
+            && m.place.iter().all(|x| x.is_finite())
+    };
+    if modes.all.len() < 2 || modes.low.is_empty() || !modes.low.iter().all(is_share) {
+        return Err(
+            "modes must be two or more, told apart by movements that each are of one".to_owned()
+        );
+    }
+    Ok(())
+}
+
+/// A law with its postures, of `n` joints.
+fn check_way(law: &PostureLaw, postures: &PostureDistribution, n: usize) -> Result<(), String> {
     let shapes = [
-        ("weight", model.law.weight.shape(), (n, n)),
-        ("posture covariance", model.postures.covariance.shape(), (n, n)),
-        ("posture mean", model.postures.mean.shape(), (n, 1)),
-        ("noise factor", (model.law.noise.factor.nrows(), 0), (n, 0)),
+        ("weight", law.weight.shape(), (n, n)),
+        ("posture covariance", postures.covariance.shape(), (n, n)),
+        ("posture mean", postures.mean.shape(), (n, 1)),
+        ("noise factor", (law.noise.factor.nrows(), 0), (n, 0)),
     ];
     for (what, found, wanted) in shapes {
         if found != wanted {
             return Err(format!("{what} is {found:?}, not {wanted:?}"));
         }
     }
-    let positive = |m: &nalgebra::DMatrix<f64>| {
+    let positive = |m: &DMatrix<f64>| {
         m.iter().all(|v| v.is_finite())
             && (m - m.transpose()).amax() < 1e-9 * m.amax()
             && m.clone().cholesky().is_some()
     };
-    let about = &model.postures.about_usual;
-    if about.as_ref().is_some_and(|m| m.shape() != (n, n)) {
+    let low = postures.low.as_ref().map(|low| (&low.lowness, &low.about_usual));
+    let about: Vec<&DMatrix<f64>> =
+        postures.about_usual.iter().chain(low.map(|(_, about)| about)).collect();
+    if about.iter().any(|m| m.shape() != (n, n)) {
         return Err(format!("covariance about usual postures is not {:?}", (n, n)));
     }
-    let matrices =
-        [("weight", &model.law.weight), ("posture covariance", &model.postures.covariance)];
-    let about = about.iter().map(|m| ("covariance about usual postures", m));
+    let matrices = [("weight", &law.weight), ("posture covariance", &postures.covariance)];
+    let about = about.into_iter().map(|m| ("covariance about usual postures", m));
     for (what, matrix) in matrices.into_iter().chain(about) {
         if !positive(matrix) {
             return Err(format!("{what} is not symmetric positive definite"));
         }
     }
-    let noise = &model.law.noise;
+    let noise = &law.noise;
     let shares = noise.shares;
     let parts = [shares.white, shares.correlated, shares.lasting];
+    let heights =
+        low.map(|(lowness, _)| lowness).into_iter().chain(noise.low.as_ref().map(|l| &l.lowness));
+    let gains: Vec<f64> =
+        noise.low.iter().flat_map(|low| low.high.iter().chain(&low.low).copied()).collect();
+    if noise.low.as_ref().is_some_and(|low| low.high.len() != n || low.low.len() != n) {
+        return Err(format!("noise at low hands is not of {n} joints"));
+    }
     // NaN is in no range.
     let is_clock_sound = match noise.clock {
         Clock::Hand { speed_m_s, drift } => {
@@ -125,21 +157,23 @@ fn check(model: &PostureModel) -> Result<(), String> {
     let is_sound = noise.correlation_time_s > 0.0
         && noise.white_interval_s > 0.0
         && is_clock_sound
+        && heights.into_iter().all(|h| h.from > h.to)
+        && gains.into_iter().all(|g| g.is_finite() && g >= 0.0)
         && parts.iter().all(|p| (0.0..=1.0).contains(p))
         && (shares.white + shares.correlated + shares.lasting - 1.0).abs() < 1e-6;
     if !is_sound {
         return Err("noise times must be positive and its shares sum to 1".to_owned());
     }
-    match (model.law.attraction.as_ref().map(Attraction::pull), noise.clock) {
+    match (law.attraction.as_ref().map(Attraction::pull), noise.clock) {
         (Some(Pull::Metre { length_m }), Clock::Hand { .. }) if length_m > 0.0 => {}
         (Some(Pull::Second { rate_per_s }), Clock::Seconds { .. }) if rate_per_s > 0.0 => {}
         (None, _) => {}
         _ => return Err("the pull does not go by the clock of the noise".to_owned()),
     }
-    if !(model.law.stature_m > 0.0 && (1..=6).contains(&model.law.task_rows)) {
+    if !(law.stature_m > 0.0 && (1..=6).contains(&law.task_rows)) {
         return Err("stature and task rows are out of range".to_owned());
     }
-    if model.law.processes.iter().any(|p| p.outputs().iter().any(|o| *o >= n)) {
+    if law.processes.iter().any(|p| p.outputs().iter().any(|o| *o >= n)) {
         return Err(format!("a process serves a joint beyond the {n} of the chain"));
     }
     Ok(())

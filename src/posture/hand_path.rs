@@ -49,6 +49,8 @@ pub(super) struct Knot {
     pub travel_m: f64,
     /// Where the noise of the step from here is: after which of its values, and how far to the next.
     pub noise: (usize, f64),
+    /// By how much the noise is larger here than on average, n; none where it is alike everywhere.
+    pub gains: Option<DVector<f64>>,
     /// Phase of the movement, in [0, 1].
     pub phase: f64,
 }
@@ -73,6 +75,8 @@ impl HandPath {
         let mut path = Self { time_s, targets, knots, places, noise_grid };
         for knot in &mut path.knots {
             knot.usual = usual_posture(law, coupling, &knot.target);
+            let low = law.noise.low.as_ref();
+            knot.gains = low.map(|low| low.gains(height(coupling, &knot.target)));
         }
         path
     }
@@ -153,9 +157,14 @@ pub fn postures_at<'a>(
     grips: &Grips,
 ) -> Cow<'a, PostureDistribution> {
     match usual_posture(law, coupling, grips) {
-        Some(usual) => postures.near(&usual),
+        Some(usual) => postures.near(&usual, height(coupling, grips)),
         None => Cow::Borrowed(postures),
     }
+}
+
+/// Height of the leading hand in the rest frame, over stature.
+fn height(coupling: &Coupling, grips: &Grips) -> f64 {
+    grips.first.translation.y / coupling.stature_m()
 }
 
 /// The posture that is usual with the hands there.
@@ -202,6 +211,7 @@ fn by_hand(targets: &[Grips], travel: &[f64], speed_m_s: f64) -> Layout {
                 clock_s: at / speed_m_s,
                 travel_m: at,
                 noise: (k, 0.5),
+                gains: None,
                 phase: k as f64 / steps.max(1) as f64,
             }
         })
@@ -229,6 +239,7 @@ fn by_time(targets: &[Grips], travel: &[f64], time_s: &[f64]) -> Layout {
             clock_s: between(time_s),
             travel_m: between(travel),
             noise: (leg, part),
+            gains: None,
             phase: leg as f64 / legs.max(1) as f64,
         }
     };

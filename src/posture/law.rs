@@ -282,12 +282,13 @@ impl Draw<'_> {
     }
 
     /// Preferred velocity in this repetition without the pull, n, rad/s of the clock: part of the way from
-    /// place `index` of the noise to the next.
+    /// place `index` of the noise to the next, which is `gains` times (n) what it is on average.
     pub(super) fn preferred(
         &self,
         law: &PostureLaw,
         at: &Query,
         (index, part): (usize, f64),
+        gains: Option<&DVector<f64>>,
     ) -> DVector<f64> {
         let mut z = if self.functions.is_empty() {
             law.preferred(at.q, at.xdot)
@@ -310,12 +311,15 @@ impl Draw<'_> {
         };
         if let Some(posteriors) = self.posteriors {
             let mut noise = self.noise.at(index, part) * gain;
+            if let Some(gains) = gains {
+                noise.component_mul_assign(gains);
+            }
             for growth in law.growth(posteriors, std::slice::from_ref(at)) {
                 noise.component_mul_assign(&growth);
             }
             z += noise;
         } else {
-            self.noise.add_to(&mut z, index, part, gain);
+            self.noise.add_to(&mut z, (index, part), gain, gains);
         }
         z
     }

@@ -2,6 +2,8 @@
 
 use super::attraction::UsualPosture;
 use super::law::PostureLaw;
+use super::lowness::Lowness;
+use super::modes::Modes;
 use crate::human::{BodySize, Side};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -94,18 +96,38 @@ pub struct PostureDistribution {
     /// postures of all places are taken together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about_usual: Option<DMatrix<f64>>,
+    /// The same of hands that reach down, where it is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<LowPostures>,
+}
+
+/// How postures spread about the usual one where the hand is low.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LowPostures {
+    /// Where that is.
+    pub lowness: Lowness,
+    /// Shrunk covariance, n x n, rad^2.
+    pub about_usual: DMatrix<f64>,
 }
 
 impl PostureDistribution {
     /// Of all postures, wherever the hand was.
     pub fn anywhere(mean: DVector<f64>, covariance: DMatrix<f64>) -> Self {
-        Self { mean, covariance, about_usual: None }
+        Self { mean, covariance, about_usual: None, low: None }
     }
 
-    /// Of the postures with the hand at a place where `usual` is: the more the training says of it, the less
-    /// of the postures elsewhere.
-    pub fn near(&self, usual: &UsualPosture) -> Cow<'_, Self> {
+    /// Of the postures with the hand at a place where `usual` is, at a height (rest frame, over stature): the
+    /// more the training says of it, the less of the postures elsewhere.
+    pub fn near(&self, usual: &UsualPosture, height: f64) -> Cow<'_, Self> {
         let Some(about) = &self.about_usual else { return Cow::Borrowed(self) };
+        let about = match &self.low {
+            Some(low) => {
+                let share = low.lowness.of(height);
+                Cow::Owned(about * (1.0 - share) + &low.about_usual * share)
+            }
+            None => Cow::Borrowed(about),
+        };
         let known = usual.trust();
         let between = |here: f64, anywhere: f64| known * here + (1.0 - known) * anywhere;
         Cow::Owned(Self::anywhere(
@@ -202,6 +224,10 @@ pub struct PostureModel {
     pub law: PostureLaw,
     /// The person's postures.
     pub postures: PostureDistribution,
+    /// Ways of doing the same that are told apart, where that predicts people who were left out better;
+    /// the law and the postures are of all together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<Modes>,
     /// Held-out quality of this and the other methods.
     pub quality: Vec<MethodQuality>,
     /// Where it comes from.
@@ -263,12 +289,21 @@ mod tests {
         };
         let posture = DVector::from_vec(vec![0.4, -0.2]);
         let at = |confidence: f64| {
-            all.near(&UsualPosture { posture: posture.clone(), confidence }).into_owned()
+            all.near(&UsualPosture { posture: posture.clone(), confidence }, 0.0).into_owned()
         };
         let (unknown, half, known) = (at(0.0), at(0.5f64.sqrt()), at(1.0));
         assert_eq!((&unknown.mean, &unknown.covariance), (&all.mean, &all.covariance));
         assert_eq!((&known.mean, Some(&known.covariance)), (&posture, all.about_usual.as_ref()));
-        assert!((half.mean - posture * 0.5).amax() < 1e-12);
+        assert!((half.mean - &posture * 0.5).amax() < 1e-12);
         assert!((half.covariance - DMatrix::identity(2, 2) * 0.55).amax() < 1e-12);
+        // Wider where the hand is low.
+        let lowness = Lowness { from: 0.0, to: -0.2 };
+        let low = Some(LowPostures { lowness, about_usual: DMatrix::identity(2, 2) * 0.3 });
+        let all = PostureDistribution { low, ..all };
+        let usual = UsualPosture { posture, confidence: 1.0 };
+        for (height, wanted) in [(0.1, 0.1), (-0.1, 0.2), (-0.5, 0.3)] {
+            let found = all.near(&usual, height);
+            assert!((found.covariance[(0, 0)] - wanted).abs() < 1e-12, "{height}");
+        }
     }
 }

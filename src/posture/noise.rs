@@ -17,6 +17,7 @@
 //! ```
 //! `F F^T` is the covariance of the residuals at the usual (rms) hand speed.
 
+use super::lowness::Lowness;
 use crate::math::stream::normals;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -86,6 +87,28 @@ pub struct Noise {
     pub white_interval_s: f64,
     /// What its time is.
     pub clock: Clock,
+    /// How much of it there is where the hand is low; none where it is alike everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<LowNoise>,
+}
+
+/// Noise that goes by the height of the hand. Over the training data the mean square of each factor is 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LowNoise {
+    /// Where a hand is low.
+    pub lowness: Lowness,
+    /// Factors of the standard deviation in each coordinate for hands that are not low, n.
+    pub high: DVector<f64>,
+    /// The same for hands that are.
+    pub low: DVector<f64>,
+}
+
+impl LowNoise {
+    /// The factors at a height (rest frame, over stature), n.
+    pub fn gains(&self, height: f64) -> DVector<f64> {
+        self.high.lerp(&self.low, self.lowness.of(height))
+    }
 }
 
 impl Noise {
@@ -102,6 +125,7 @@ impl Noise {
             correlation_time_s,
             white_interval_s: 1.0,
             clock: Clock::Seconds { speed_share: 0.0, speed_rms_m_s: 1.0 },
+            low: None,
         }
     }
 
@@ -212,17 +236,31 @@ impl NoisePath {
     /// Between sample `index` and the next; `part` in [0, 1].
     pub fn at(&self, index: usize, part: f64) -> DVector<f64> {
         let mut sum = DVector::zeros(self.smooth[0].len());
-        self.add_to(&mut sum, index, part, 1.0);
+        self.add_to(&mut sum, (index, part), 1.0, None);
         sum
     }
 
-    /// Adds `gain` times the noise there to `out` (n, rad/s).
-    pub(super) fn add_to(&self, out: &mut DVector<f64>, index: usize, part: f64, gain: f64) {
+    /// Adds `gain` times the noise there to `out` (n, rad/s), in each coordinate by a factor of its own where
+    /// there are `gains`.
+    pub(super) fn add_to(
+        &self,
+        out: &mut DVector<f64>,
+        (index, part): (usize, f64),
+        gain: f64,
+        gains: Option<&DVector<f64>>,
+    ) {
         let last = self.smooth.len() - 1;
         let (a, b) = (&self.smooth[index.min(last)], &self.smooth[(index + 1).min(last)]);
         let terms = a.iter().zip(b).zip(&self.held[index.min(last)]);
-        for (o, ((a, b), held)) in out.iter_mut().zip(terms) {
-            *o += gain * (a * (1.0 - part) + b * part + held);
+        let terms = out.iter_mut().zip(terms);
+        let Some(gains) = gains else {
+            for (o, ((a, b), held)) in terms {
+                *o += gain * (a * (1.0 - part) + b * part + held);
+            }
+            return;
+        };
+        for ((o, ((a, b), held)), own) in terms.zip(gains) {
+            *o += gain * own * (a * (1.0 - part) + b * part + held);
         }
     }
 }

@@ -8,7 +8,7 @@
 //! were not needed; where they are recorded, a model of both hands takes its place.
 
 use super::attraction::UsualPosture;
-use super::model::PostureDistribution;
+use super::model::{LowPostures, PostureDistribution};
 use crate::human::mirror_sign;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -48,6 +48,12 @@ impl Pair {
         both.rows_mut(t, n - t).copy_from(&first.rows(t, n - t));
         both.rows_mut(n, n - t).copy_from(&other.rows(t, n - t));
         both
+    }
+
+    /// Sizes of both from those of one: without signs.
+    pub(super) fn sizes(&self, one: &DVector<f64>) -> DVector<f64> {
+        let (t, n) = (self.trunk, one.len());
+        DVector::from_fn(2 * n - t, |i, _| one[if i < n { i } else { t + i - n }])
     }
 
     /// The usual posture of both hands from that of each, the second in the mirror image.
@@ -97,11 +103,15 @@ impl Pair {
             Some(about) => Some(self.covariance(about)?),
             None => None,
         };
-        Some(PostureDistribution {
-            mean,
-            covariance: self.covariance(&one.covariance)?,
-            about_usual,
-        })
+        let low = match &one.low {
+            Some(low) => Some(LowPostures {
+                lowness: low.lowness,
+                about_usual: self.covariance(&low.about_usual)?,
+            }),
+            None => None,
+        };
+        let covariance = self.covariance(&one.covariance)?;
+        Some(PostureDistribution { mean, covariance, about_usual, low })
     }
 }
 

@@ -214,7 +214,7 @@ impl State<'_> {
             phase: a.phase,
         };
         let mut wish = match self.draw {
-            Some(draw) => draw.preferred(self.law, &at, a.noise),
+            Some(draw) => draw.preferred(self.law, &at, a.noise, a.gains.as_ref()),
             None => self.law.preferred(at.q, at.xdot),
         };
         if let Some(mean) = primitive {

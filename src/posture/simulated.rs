@@ -145,6 +145,7 @@ fn simulated(
             ..PostureLaw::of_weight(weight, body.size.stature_m, 6)
         },
         postures,
+        modes: None,
         quality: Vec::new(),
         provenance: Provenance {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -52,6 +52,8 @@ pub struct Start {
     pub distance: f64,
     /// Beyond the 99 % quantile of that distance.
     pub is_unusual: bool,
+    /// The mode of the movement; none where there is one law of all.
+    pub mode: Option<usize>,
 }
 
 impl Start {
@@ -87,7 +89,7 @@ pub fn start_postures(
                 _ => postures.mean.clone(),
             };
             let q = reach(coupling, postures, &wish, hand);
-            Start { q, distance: 0.0, is_unusual: false }.among(postures)
+            Start { q, distance: 0.0, is_unusual: false, mode: None }.among(postures)
         })
         .collect()
 }

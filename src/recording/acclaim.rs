@@ -11,7 +11,7 @@ use self::lines::Fault;
 use self::skeleton::{Channel, Skeleton};
 use super::axes::{NEXT, zxy_angles};
 use super::checks::{make_continuous, note_oddities};
-use super::{Recording, SegmentTrack, bare_name};
+use super::{Recording, Remark, SegmentTrack, bare_name};
 use crate::files::{InputError, read_bytes, sha256_hex};
 use crate::math::Vec3;
 use nalgebra::UnitQuaternion;
@@ -49,9 +49,9 @@ pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
         ));
     }
     let mut segments = tracks(&anatomy, &skeleton, &frames);
-    let mut notes = conventions(rate_hz, is_named, &bare_name(&skeleton_path), leg_m);
-    notes.extend(still_collar_bones(&skeleton, &frames));
-    notes.extend(["Right", "Left"].into_iter().filter_map(|s| turned_leg(&mut segments, s)));
+    let mut remarks = conventions(rate_hz, is_named, &bare_name(&skeleton_path), leg_m);
+    remarks.extend(still_collar_bones(&skeleton, &frames));
+    remarks.extend(["Right", "Left"].into_iter().filter_map(|s| turned_leg(&mut segments, s)));
     let mut recording = Recording {
         source: bare_name(path),
         format: "Acclaim ASF/AMC",
@@ -59,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
         rate_hz,
         segments,
         segment_lengths_m: lengths,
-        notes,
+        remarks,
     };
     note_oddities(&mut recording);
     Ok(recording)
@@ -126,30 +126,32 @@ fn rate(motion: &Path) -> (f64, bool) {
     }
 }
 
-fn conventions(rate_hz: f64, is_named: bool, skeleton: &str, leg_m: f64) -> Vec<String> {
+fn conventions(rate_hz: f64, is_named: bool, skeleton: &str, leg_m: f64) -> Vec<Remark> {
     let rate = if is_named {
         format!("rate of {rate_hz} Hz taken from the end of the file's name")
     } else {
         format!("rate taken as {rate_hz} Hz: neither the file nor its name holds it")
     };
     vec![
-        rate,
-        format!(
-            "bones of {skeleton}, lengths taken as inches over its length scale: from hip to ankle \
-             {leg_m:.2} m"
-        ),
-        "segment axes follow from the rest pose: trunk upright, limbs along their bones, knees and \
+        Remark::new("rate", rate),
+        Remark::new(
+            "bones",
+            format!(
+                "bones of {skeleton}, lengths taken as inches over its length scale: from hip to ankle \
+                 {leg_m:.2} m"
+            ),
+        )
+        .of_size(leg_m),
+        Remark::new("axes", "segment axes follow from the rest pose: trunk upright, limbs along their bones, knees and \
          elbows about their hinges, palms by the thumbs; axial rotations are of the skeleton's own \
-         calibration"
-            .to_owned(),
-        "`lowerback` is taken as L5, `upperback` as T12, `thorax` as T8, and L3 as halfway between \
-         the first two; the neck is halfway between `lowerneck` and `upperneck`"
-            .to_owned(),
+         calibration"),
+        Remark::new("trunk segments", "`lowerback` is taken as L5, `upperback` as T12, `thorax` as T8, and L3 as halfway between \
+         the first two; the neck is halfway between `lowerneck` and `upperneck`"),
     ]
 }
 
 /// A note where the collar bones take no part in the movement.
-fn still_collar_bones(skeleton: &Skeleton, frames: &[Vec<f64>]) -> Option<String> {
+fn still_collar_bones(skeleton: &Skeleton, frames: &[Vec<f64>]) -> Option<Remark> {
     let collar = |name: &str| skeleton.find(name).map(|i| &skeleton.bones[i]);
     let mut values = ["rclavicle", "lclavicle"].into_iter().filter_map(collar).flat_map(|bone| {
         let turns = bone.channels.iter().enumerate();
@@ -157,9 +159,11 @@ fn still_collar_bones(skeleton: &Skeleton, frames: &[Vec<f64>]) -> Option<String
         turns.flat_map(move |(i, _)| frames.iter().map(move |frame| frame[bone.first + i].abs()))
     });
     values.all(|turn| turn < STILL).then(|| {
-        "the collar bones stand still in the skeleton: shoulders that rise or come forward are \
-         not seen"
-            .to_owned()
+        Remark::new(
+            "collar bones",
+            "the collar bones stand still in the skeleton: shoulders that rise or come forward are \
+             not seen",
+        )
     })
 }
 
@@ -190,7 +194,7 @@ fn tracks(anatomy: &Anatomy, skeleton: &Skeleton, frames: &[Vec<f64>]) -> Vec<Se
 /// Thigh and shank turned by half a turn about their own axes, and a knee that bends as much the other
 /// way, leave every joint where it was: what solves markers for angles may end in either, mostly in
 /// deep squats. A knee that bends forwards tells which.
-fn turned_leg(segments: &mut [SegmentTrack], side: &str) -> Option<String> {
+fn turned_leg(segments: &mut [SegmentTrack], side: &str) -> Option<Remark> {
     let place = |part: &str| segments.iter().position(|s| s.name == format!("{side}{part}"));
     let (thigh, shank) = (place("UpperLeg")?, place("LowerLeg")?);
     let half = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), PI);
@@ -210,11 +214,12 @@ fn turned_leg(segments: &mut [SegmentTrack], side: &str) -> Option<String> {
         make_continuous(&mut segments[part].rotation);
     }
     (count > 0).then(|| {
-        format!(
-            "the {} knee bends forwards in {count} frames: thigh and shank were turned half round \
-             about their own lengths there, which moves no joint",
-            side.to_lowercase()
-        )
+        let side = side.to_lowercase();
+        let text = format!(
+            "the {side} knee bends forwards in {count} frames: thigh and shank were turned half round \
+             about their own lengths there, which moves no joint"
+        );
+        Remark::new(format!("{side} knee forwards"), text).of_size(f64::from(count))
     })
 }
 

@@ -1,7 +1,7 @@
 //! What every reader does alike: unit quaternions, continuous signs, and notes on what looks odd.
 
 use super::axes::{SEGMENT_NAMES, zxy_angles};
-use super::{Recording, SegmentTrack};
+use super::{Recording, Remark, SegmentTrack};
 use crate::math::pose::rotation_between;
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -43,14 +43,14 @@ pub(super) fn sort_segments(segments: &mut [SegmentTrack]) {
 
 /// Adds notes on jumps and on elbows that bend out of their hinge plane.
 pub(super) fn note_oddities(recording: &mut Recording) {
-    let jumps: Vec<String> =
+    let jumps: Vec<Remark> =
         recording.segments.iter().filter_map(|s| jumps(s, recording.rate_hz)).collect();
-    let elbows: Vec<String> =
+    let elbows: Vec<Remark> =
         ["Right", "Left"].iter().filter_map(|side| elbow(recording, side)).collect();
-    recording.notes.extend(jumps.into_iter().chain(elbows));
+    recording.remarks.extend(jumps.into_iter().chain(elbows));
 }
 
-fn jumps(track: &SegmentTrack, rate_hz: f64) -> Option<String> {
+fn jumps(track: &SegmentTrack, rate_hz: f64) -> Option<Remark> {
     let is_jump = |i: &usize| {
         let step = (track.position[*i] - track.position[i - 1]).norm() * rate_hz;
         let turn = rotation_between(&track.rotation[i - 1], &track.rotation[*i]).norm() * rate_hz;
@@ -58,15 +58,16 @@ fn jumps(track: &SegmentTrack, rate_hz: f64) -> Option<String> {
     };
     let found: Vec<usize> = (1..track.position.len()).filter(is_jump).collect();
     let first = found.first()?;
-    Some(format!(
-        "{} jumps {} times (faster than {JUMP_SPEED} m/s or {JUMP_TURN} rad/s), first at frame \
+    let name = &track.name;
+    let text = format!(
+        "{name} jumps {} times (faster than {JUMP_SPEED} m/s or {JUMP_TURN} rad/s), first at frame \
          {first}: tracking errors are likely there",
-        track.name,
         found.len()
-    ))
+    );
+    Some(Remark::new(format!("jumps of {name}"), text).of_size(found.len() as f64))
 }
 
-fn elbow(recording: &Recording, side: &str) -> Option<String> {
+fn elbow(recording: &Recording, side: &str) -> Option<Remark> {
     let upper = recording.segment(&format!("{side}UpperArm"))?;
     let fore = recording.segment(&format!("{side}ForeArm"))?;
     let carrying: Vec<f64> = upper
@@ -78,13 +79,14 @@ fn elbow(recording: &Recording, side: &str) -> Option<String> {
     let worst = carrying.iter().copied().fold(0.0, f64::max);
     let beyond = carrying.iter().filter(|a| **a > CARRYING_LIMIT_DEG).count();
     (beyond > 0).then(|| {
-        format!(
-            "the {} elbow bends out of its hinge plane by more than {CARRYING_LIMIT_DEG} deg in \
+        let side = side.to_lowercase();
+        let text = format!(
+            "the {side} elbow bends out of its hinge plane by more than {CARRYING_LIMIT_DEG} deg in \
              {beyond} of {} frames (at most {worst:.0} deg): the upper arm's axial rotation is \
              uncertain there",
-            side.to_lowercase(),
             carrying.len()
-        )
+        );
+        Remark::new(format!("{side} elbow"), text).of_size(worst)
     })
 }
 
@@ -119,7 +121,8 @@ mod tests {
         };
         assert!(jumps(&track, 100.0).is_none());
         track.position[3].x = 0.6;
-        let note = jumps(&track, 100.0).unwrap();
-        assert!(note.contains("2 times") && note.contains("frame 3"), "{note}");
+        let found = jumps(&track, 100.0).unwrap();
+        assert!(found.text.contains("2 times") && found.text.contains("frame 3"), "{found:?}");
+        assert_eq!((found.about.as_str(), found.size), ("jumps of Head", 2.0));
     }
 }

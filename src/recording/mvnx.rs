@@ -3,7 +3,7 @@
 use super::axes::{NEXT, SEGMENT_NAMES, mvnx_from_isb};
 use super::checks::{make_continuous, note_oddities, sort_segments};
 use super::mvnx_parse::{Export, parse};
-use super::{Recording, SegmentTrack, bare_name};
+use super::{Recording, Remark, SegmentTrack, bare_name};
 use crate::files::{InputError, note_input, read_bytes};
 use crate::math::Vec3;
 use nalgebra::UnitQuaternion;
@@ -58,7 +58,7 @@ fn line_of(path: &Path, byte: u64) -> usize {
 
 /// Turns the file's segment axes into ISB axes and drops segments of unknown convention.
 fn assemble(mut export: Export, source: String, sha256: String) -> Recording {
-    let mut notes = conventions(&export);
+    let mut remarks = conventions(&export);
     let lengths = segment_lengths(&export);
     let mut segments = Vec::new();
     let positions = std::mem::take(&mut export.position);
@@ -77,7 +77,8 @@ fn assemble(mut export: Export, source: String, sha256: String) -> Recording {
         segments.push(SegmentTrack { name: (*name).to_owned(), position, rotation });
     }
     if unknown > 0 {
-        notes.push(format!("{unknown} segments with unknown labels (props?) were left out"));
+        let text = format!("{unknown} segments with unknown labels (props?) were left out");
+        remarks.push(Remark::new("unknown segments", text).of_size(f64::from(unknown)));
     }
     sort_segments(&mut segments);
     let mut recording = Recording {
@@ -87,7 +88,7 @@ fn assemble(mut export: Export, source: String, sha256: String) -> Recording {
         rate_hz: export.rate_hz,
         segments,
         segment_lengths_m: lengths,
-        notes,
+        remarks,
     };
     note_oddities(&mut recording);
     recording
@@ -105,41 +106,46 @@ fn anatomical(export: &Export, segment: usize) -> UnitQuaternion<f64> {
     }
 }
 
-fn conventions(export: &Export) -> Vec<String> {
+fn conventions(export: &Export) -> Vec<Remark> {
     let frames = export.position.first().map_or(0, Vec::len);
-    let mut notes = vec![match export.version {
-        3 => "segment axes taken as anatomical (zero: arms hanging, palms forward), as MVNX 3 has \
-              them"
-            .to_owned(),
-        _ => "segment axes turned from the T-pose to the anatomical zero (arms hanging, palms \
-              forward) by the calibration frames `tpose` and `tpose-isb`"
-            .to_owned(),
-    }];
+    let axes = match export.version {
+        3 => {
+            "segment axes taken as anatomical (zero: arms hanging, palms forward), as MVNX 3 has them"
+        }
+        _ => {
+            "segment axes turned from the T-pose to the anatomical zero (arms hanging, palms \
+             forward) by the calibration frames `tpose` and `tpose-isb`"
+        }
+    };
+    let mut remarks = vec![Remark::new("axes", axes)];
     if !export.skipped.is_empty() {
-        notes.push(format!(
-            "{} frames are no motion and were skipped: {}",
-            export.skipped.len(),
+        let count = export.skipped.len();
+        let text = format!(
+            "{count} frames are no motion and were skipped: {}",
             export.skipped.iter().take(5).map(String::as_str).collect::<Vec<_>>().join(", ")
-        ));
+        );
+        remarks.push(Remark::new("skipped frames", text).of_size(count as f64));
     }
     if export.index_step > 1 {
-        notes.push(format!(
+        let text = format!(
             "frame numbers step by {}; frameRate is taken as the rate of the frames in the file",
             export.index_step
-        ));
+        );
+        remarks.push(Remark::new("frame numbers", text));
     }
     if let Some((first, last)) = export.times_ms {
         let expected = (frames.saturating_sub(1)) as f64 * 1000.0 / export.rate_hz;
         if ((last - first) - expected).abs() > 2.0 + 0.02 * expected {
-            notes.push(format!(
+            let text = format!(
                 "time stamps span {:.0} ms, but {frames} frames at {} Hz span {expected:.0} ms; \
                  frameRate is used",
                 last - first,
                 export.rate_hz
-            ));
+            );
+            remarks.push(Remark::new("time stamps", text).of_size((last - first - expected).abs()));
         }
     }
-    notes
+    remarks
 }
 
 /// Distances between joint centres. Points need no rotation for this: both versions give them in

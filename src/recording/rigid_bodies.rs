@@ -5,7 +5,7 @@
 
 use super::axes::rigid_body_from_isb;
 use super::checks::{make_continuous, note_oddities, sort_segments, unit};
-use super::{Recording, SegmentTrack, bare_name};
+use super::{Recording, Remark, SegmentTrack, bare_name};
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex, suggest};
 use crate::math::Vec3;
 use crate::math::stats::quantile;
@@ -66,8 +66,8 @@ pub fn read_rigid_bodies(
         return Err(InputError::new(folder, format!("{rate_hz} is no rate in Hz"))
             .remedy("rates lie between 0 and 10000 frames per second"));
     }
-    let mut notes = conventions(rate_hz);
-    let bodies = list(folder, &mut notes)?;
+    let mut remarks = conventions(rate_hz);
+    let bodies = list(folder, &mut remarks)?;
     let person = pick(folder, &bodies, person)?;
     let bodies: Vec<&Body> = bodies.iter().filter(|b| b.person == person).collect();
     if !bodies.iter().any(|b| b.segment == "Pelvis") {
@@ -102,28 +102,32 @@ pub fn read_rigid_bodies(
         rate_hz,
         segments,
         segment_lengths_m: Vec::new(),
-        notes,
+        remarks,
     };
     recording.segment_lengths_m = segment_lengths(&recording);
     note_oddities(&mut recording);
     Ok(recording)
 }
 
-fn conventions(rate_hz: f64) -> Vec<String> {
+fn conventions(rate_hz: f64) -> Vec<Remark> {
     vec![
-        format!("rate taken as {rate_hz} Hz: the files do not hold it"),
-        "bodies are parallel (x left, y back, z up) in a T-pose with palms down; a constant turn per \
-         body brings them to the anatomical zero (arms hanging, palms forward)"
-            .to_owned(),
-        "the axial rotation of the upper arm is the file's own: elbow flexion is then about z up to \
-         the carrying angle"
-            .to_owned(),
-        "body `ab` (abdomen) is taken as L3, `chest` as T8".to_owned(),
+        Remark::new("rate", format!("rate taken as {rate_hz} Hz: the files do not hold it")),
+        Remark::new(
+            "axes",
+            "bodies are parallel (x left, y back, z up) in a T-pose with palms down; a constant turn per \
+         body brings them to the anatomical zero (arms hanging, palms forward)",
+        ),
+        Remark::new(
+            "elbow",
+            "the axial rotation of the upper arm is the file's own: elbow flexion is then about z up \
+             to the carrying angle",
+        ),
+        Remark::new("trunk segments", "body `ab` (abdomen) is taken as L3, `chest` as T8"),
     ]
 }
 
 /// All bodies of all persons in the folder, in order of file names.
-fn list(folder: &Path, notes: &mut Vec<String>) -> Result<Vec<Body>, InputError> {
+fn list(folder: &Path, remarks: &mut Vec<Remark>) -> Result<Vec<Body>, InputError> {
     let io = |e: std::io::Error| InputError::new(folder, format!("cannot be read: {e}"));
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(io)? {
@@ -153,7 +157,8 @@ fn list(folder: &Path, notes: &mut Vec<String>) -> Result<Vec<Body>, InputError>
         .remedy(format!("bodies known here: {}", known.join(", "))));
     }
     if !ignored.is_empty() {
-        notes.push(format!("not a body of a person, left out: {}", ignored.join(", ")));
+        let text = format!("not a body of a person, left out: {}", ignored.join(", "));
+        remarks.push(Remark::new("other files", text).of_size(ignored.len() as f64));
     }
     Ok(bodies)
 }
@@ -262,7 +267,7 @@ mod tests {
         std::fs::write(room.path().join("box_pose_saved.csv"), "x\n1\n").unwrap();
         let one = read_rigid_bodies(room.path(), None, 100.0).unwrap();
         assert_eq!((one.segments.len(), one.frames(), one.rate_hz), (13, 3, 100.0));
-        assert!(one.notes.iter().any(|n| n.contains("box_pose_saved.csv")));
+        assert!(one.remarks.iter().any(|n| n.text.contains("box_pose_saved.csv")));
         let pelvis = one.segment("Pelvis").unwrap();
         assert!((pelvis.rotation[0] * Vec3::x() - Vec3::x()).norm() < 1e-6);
         assert!((pelvis.rotation[0] * Vec3::z() + Vec3::y()).norm() < 1e-6);

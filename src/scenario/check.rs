@@ -12,7 +12,7 @@ use super::plausible::{self, Doubt, LONGEST_S, name_fault, path_name_fault};
 use super::source::Source;
 use super::task::Task;
 use super::warning::Warning;
-use super::worker::{Worker, resolve_worker};
+use super::worker::{Adaptation, Worker, resolve_worker};
 use crate::ergonomics::Profile;
 use crate::files::{InputError, suggest};
 use crate::human::{Pelvis, Stance};
@@ -149,6 +149,9 @@ pub(super) fn resolve(
     };
     scenario.refuse_worker_inside(source, &file.worker.at_m)?;
     scenario.warnings.extend(scenario.faces_away().map(Warning::FacesAway));
+    if scenario.worker.model.modes.is_some() && scenario.free.moves_worker() {
+        scenario.worker.adaptations.push(Adaptation::OneWay);
+    }
     let adapted = scenario.worker.adaptations.iter().copied().map(Warning::Adapted);
     scenario.warnings.extend(adapted);
     Ok(scenario)

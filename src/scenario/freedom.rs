@@ -248,6 +248,12 @@ impl Freedoms {
         names
     }
 
+    /// Whether the planner chooses where or how the worker stands.
+    pub fn moves_worker(&self) -> bool {
+        let moves = |f: Freedom| matches!(f, Freedom::WorkerOffset(_) | Freedom::WorkerFacing);
+        self.all.iter().any(|(f, _)| moves(*f))
+    }
+
     /// The range of one free number.
     pub fn range(&self, freedom: Freedom) -> Option<[f64; 2]> {
         self.all.iter().find(|(f, _)| *f == freedom).map(|(_, range)| *range)

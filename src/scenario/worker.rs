@@ -55,6 +55,8 @@ pub enum Adaptation {
     OnSeat,
     /// The pelvis is fixed by the scenario.
     PelvisFixed,
+    /// Modes go by where the feet are, and the planner chooses that: one law of all.
+    OneWay,
 }
 
 impl Worker {

@@ -8,14 +8,15 @@
 //! 15 Hz) serves everything fitted by likelihood, because neighbouring frames are nearly copies.
 
 use super::fit::JointMotion;
+use super::measurer::Measurer;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, PELVIS_JOINTS, Pelvis, Side, Stance};
 use crate::kinematics::{Frames, JointLimit, Linkage};
 use crate::math::Pose;
 use crate::math::signal::differentiate;
-use crate::posture::{Coupling, Hold, Query};
+use crate::posture::{Coupling, Hold, Lowness, Query};
 use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Rate for second moments and scores, Hz.
 const DENSE_RATE_HZ: f64 = 30.0;
@@ -35,6 +36,10 @@ const STILL_RAD_S: f64 = 1e-3;
 const BLOCKS: usize = 5;
 /// Departures from the body's range up to this (half a degree) are left to filters, rad.
 const HAIR_RAD: f64 = std::f64::consts::PI / 360.0;
+/// Height of the hand above the ankles, in leg lengths, that is low.
+pub(super) const LOW_LEGS: f64 = 0.5;
+/// Share of frames that must be low, and that must not be, for low hands to be a case of their own.
+const FEWEST_LOW: f64 = 0.05;
 /// Trials up to this number are held out one by one.
 const MOST_SINGLE_TRIALS: usize = 6;
 
@@ -136,6 +141,9 @@ pub struct Dataset {
     pub joints: Vec<String>,
     /// Number of trials.
     pub trials: usize,
+    /// Tells what a whole person does; none where the pelvis rests.
+    pub(super) measurer: Option<Measurer>,
+    is_of_people: bool,
 }
 
 /// What trains and what tests, as indices of frames.
@@ -189,7 +197,16 @@ impl Dataset {
         }
         set_demonstrations(&mut frames);
         let person = Some((side, body.size));
-        Ok(Self { frames, coupling, person, joints, trials: trials.len() })
+        let measurer = if is_whole { Some(Measurer::new(&body, side)?) } else { None };
+        Ok(Self {
+            frames,
+            coupling,
+            person,
+            joints,
+            trials: trials.len(),
+            measurer,
+            is_of_people: false,
+        })
     }
 
     /// Trials of several people, of whom whole ones are held out, in a body in which all their postures
@@ -204,6 +221,7 @@ impl Dataset {
         for frame in &mut dataset.frames {
             frame.person = whose[frame.trial];
         }
+        dataset.is_of_people = people.len() > 1;
         Ok(dataset)
     }
 
@@ -252,12 +270,31 @@ impl Dataset {
                 .remedy("check the units of the qdot columns: rad/s"));
         }
         set_demonstrations(&mut frames);
-        Ok(Self { frames, coupling, person: None, joints, trials: counts.len() })
+        Ok(Self {
+            frames,
+            coupling,
+            person: None,
+            joints,
+            trials: counts.len(),
+            measurer: None,
+            is_of_people: false,
+        })
+    }
+
+    /// Where the hand of whole people is low: from the hips down to half a leg. None where too few frames
+    /// are, or too few are not, and of one person, whose few low movements would be taken for what people do.
+    pub(super) fn lowness(&self) -> Option<Lowness> {
+        let measurer = self.measurer.as_ref().filter(|_| self.is_of_people)?;
+        let h = self.coupling.stature_m();
+        let lowness = Lowness { from: measurer.height(1.0) / h, to: measurer.height(LOW_LEGS) / h };
+        let lows = self.frames.iter().map(|f| lowness.of(f.hand.translation.y / h));
+        let share = lows.sum::<f64>() / self.frames.len() as f64;
+        (FEWEST_LOW..=1.0 - FEWEST_LOW).contains(&share).then_some(lowness)
     }
 
     /// Whether it is of several people, also where only one of them is looked at.
     pub fn is_of_people(&self) -> bool {
-        self.frames.iter().any(|f| f.person > 0)
+        self.is_of_people
     }
 
     /// Number of rows of the task, m.
@@ -268,6 +305,22 @@ impl Dataset {
     /// The frames with these indices.
     pub fn select(&self, indices: &[usize]) -> Vec<&Frame> {
         indices.iter().map(|&i| &self.frames[i]).collect()
+    }
+
+    /// A data set of the frames with these indices only.
+    #[must_use]
+    pub(super) fn part(&self, indices: &[usize]) -> Self {
+        let frames: Vec<Frame> = indices.iter().map(|&i| self.frames[i].clone()).collect();
+        let trials = frames.iter().map(|f| f.trial).collect::<BTreeSet<_>>().len();
+        Self {
+            frames,
+            coupling: self.coupling.clone(),
+            person: self.person,
+            joints: self.joints.clone(),
+            trials,
+            measurer: self.measurer.clone(),
+            is_of_people: self.is_of_people,
+        }
     }
 
     /// How the methods are judged: of several trials whole ones are held out; of a single one the

@@ -200,7 +200,7 @@ fn judge(
     let inner = dataset.blocks_of(&fold.train);
     let unseen = unseen_residuals(dataset, &inner, &laws, settings, false)?;
     let Some(mut law) = laws.pop() else { return Ok(()) };
-    law.law.noise = learn_noise(&law.law, &unseen[0], false);
+    law.law.noise = learn_noise(&law.law, &unseen[0], (false, None));
     score.train_s += begun.elapsed().as_secs_f64();
 
     let begun = Instant::now();
@@ -310,7 +310,7 @@ pub fn learn_with_noise(
     let inner = dataset.blocks_of(train);
     let unseen = unseen_residuals(dataset, &inner, &laws, settings, is_pulled)?;
     let mut law = laws.into_iter().next().ok_or_else(singular)?;
-    law.law.noise = learn_noise(&law.law, &unseen[0], false);
+    law.law.noise = learn_noise(&law.law, &unseen[0], (false, None));
     Ok(law)
 }
 

@@ -7,13 +7,13 @@
 use super::calibration::is_calibrated;
 use super::chain::Chain;
 use super::fit::{FitSettings, Found, Offset, Smooth};
-use super::fit_notes::notes;
+use super::fit_remarks::remarks;
 use super::targets::Targets;
 use crate::human::Side;
 use crate::kinematics::Frames;
 use crate::math::signal::{differentiate, low_pass_zero_phase};
 use crate::math::{Vec3, stats};
-use crate::recording::Recording;
+use crate::recording::{Recording, Remark};
 use nalgebra::{DVector, UnitQuaternion};
 use serde::Serialize;
 
@@ -98,7 +98,8 @@ pub struct FitReport {
     /// Settings of the fit.
     pub settings: FitSettings,
     /// What a person should know, one sentence each.
-    pub notes: Vec<String>,
+    #[serde(rename = "notes")]
+    pub remarks: Vec<Remark>,
 }
 
 /// Compares the final postures with the recording.
@@ -137,9 +138,9 @@ pub(super) fn describe(
         largest_overshoot_deg: smooth.largest_overshoot.to_degrees(),
         cutoff_hz: settings.cutoff_hz,
         settings: *settings,
-        notes: Vec::new(),
+        remarks: Vec::new(),
     };
-    report.notes = notes(&report, recording, chain, side, targets, &smooth.q);
+    report.remarks = remarks(&report, recording, chain, side, targets, &smooth.q);
     report
 }
 

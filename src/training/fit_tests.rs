@@ -77,7 +77,7 @@ fn record(body: &Body, side: Side, q: &[Vec<f64>], absent: &[&str]) -> Recording
         rate_hz: RATE_HZ,
         segments,
         segment_lengths_m: Vec::new(),
-        notes: Vec::new(),
+        remarks: Vec::new(),
     }
 }
 
@@ -142,7 +142,7 @@ fn without_the_lower_spine_it_shares_the_turn() {
     let recording = record(&body, side, &q, &["L5", "L3", "T12", "RightShoulder"]);
     let settings = FitSettings { sharing_sd_deg: 60.0, ..plain() };
     let motion = fit(&recording, &body, side, &settings).unwrap();
-    assert!(motion.report.notes.iter().any(|n| n.contains("L5, L3, T12, RightShoulder")));
+    assert!(motion.report.remarks.iter().any(|n| n.text.contains("L5, L3, T12, RightShoulder")));
     assert!(motion.report.hand_residual_mm.max < 0.01, "{:?}", motion.report.hand_residual_mm);
     for (found, truth) in motion.q.iter().zip(&q) {
         for (name, (a, b)) in motion.joints.iter().zip(found.iter().zip(truth)) {
@@ -199,8 +199,15 @@ fn rotations_beyond_the_limits_end_on_them() {
     assert!(report.joints_at_limit.iter().any(|(n, share)| n == "jRightElbow_X" && *share > 0.02));
     let elbow = report.beyond_range.iter().find(|b| b.joint == "jRightElbow_X").unwrap();
     assert!((elbow.largest_deg - settings.limit_slack_deg).abs() < 0.1, "{elbow:?}");
-    assert!(report.notes.iter().any(|n| n.contains("presses") && n.contains("jRightElbow_X")));
-    assert!(report.notes.iter().any(|n| n.contains("beyond the body's range: jRightElbow_X")));
+    assert!(
+        report
+            .remarks
+            .iter()
+            .any(|n| n.text.contains("presses") && n.text.contains("jRightElbow_X"))
+    );
+    assert!(
+        report.remarks.iter().any(|n| n.text.contains("beyond the body's range: jRightElbow_X"))
+    );
     // Without slack the body's own limits hold.
     let strict = FitSettings { limit_slack_deg: 0.0, ..settings };
     let motion = fit(&recording, &body, side, &strict).unwrap();

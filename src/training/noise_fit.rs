@@ -14,12 +14,16 @@
 use super::dataset::{Frame, at_most};
 use super::spread::Residual;
 use crate::math::redundancy::{null_space_basis, weighted_pseudo_inverse};
-use crate::posture::{Clock, Drift, Noise, NoiseShares, PostureLaw, gain, speed_squared};
+use crate::posture::{
+    Clock, Drift, LowNoise, Lowness, Noise, NoiseShares, PostureLaw, gain, speed_squared,
+};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
 /// Shares of the variance that may grow with the speed.
 const SPEED_SHARES: [f64; 8] = [0.0, 0.25, 0.5, 0.7, 0.85, 0.93, 0.97, 0.99];
+/// Ratios of the noise at low hands to that at others.
+const LOW_RATIOS: [f64; 11] = [0.35, 0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 2.0, 2.8, 4.0, 5.6];
 /// Directions with less than this part of the largest variance are left out of the noise.
 const SMALLEST_VARIANCE: f64 = 1e-3;
 /// Share of the diagonal in the covariance.
@@ -46,7 +50,13 @@ const ASSUMED_TIME_S: f64 = 0.3;
 const DRIFT_LAG: f64 = 0.726;
 
 /// The noise of a law from residuals that it had not seen; with `goes_with_hand` by the hand's clock.
-pub fn learn_noise(law: &PostureLaw, residuals: &[Residual], goes_with_hand: bool) -> Noise {
+///
+/// Where a hand can be low the noise goes by that too.
+pub fn learn_noise(
+    law: &PostureLaw,
+    residuals: &[Residual],
+    (goes_with_hand, lowness): (bool, Option<Lowness>),
+) -> Noise {
     let n = law.dof();
     if residuals.is_empty() {
         return no_noise(&[], n, goes_with_hand);
@@ -61,6 +71,14 @@ pub fn learn_noise(law: &PostureLaw, residuals: &[Residual], goes_with_hand: boo
         .zip(&plain)
         .map(|(r, v)| v / gain(share, rms, r.frame.xdot.as_slice()))
         .collect();
+    let low = lowness.map(|lowness| low_noise(lowness, &frames, &unit, law.stature_m));
+    let unit: Vec<DVector<f64>> = match &low {
+        Some(low) => {
+            let here = |f: &Frame| low.gains(f.hand.translation.y / law.stature_m);
+            unit.iter().zip(&frames).map(|(v, f)| v.component_div(&here(f))).collect()
+        }
+        None => unit,
+    };
     let own = goes_with_hand.then(|| hand_times(&frames, rms));
     let (shares, time, step) = shares(&frames, &unit, own.as_deref());
     let factor = factor(&projected_covariance(law, &frames, &unit));
@@ -69,7 +87,7 @@ pub fn learn_noise(law: &PostureLaw, residuals: &[Residual], goes_with_hand: boo
     } else {
         Clock::Seconds { speed_share: share, speed_rms_m_s: rms }
     };
-    Noise { factor, shares, correlation_time_s: time, white_interval_s: step, clock }
+    Noise { factor, shares, correlation_time_s: time, white_interval_s: step, clock, low }
 }
 
 /// The clock of a law without noise of n joints.
@@ -164,6 +182,39 @@ fn speed_share(residuals: &[Residual], plain: &[DVector<f64>], rms: f64) -> f64 
         .into_iter()
         .max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b)))
         .unwrap_or(SPEED_SHARES[0])
+}
+
+/// For each joint the ratio of the noise at low hands to that at others with the largest likelihood.
+fn low_noise(
+    lowness: Lowness,
+    frames: &[&Frame],
+    unit: &[DVector<f64>],
+    stature_m: f64,
+) -> LowNoise {
+    let lows: Vec<f64> =
+        frames.iter().map(|f| lowness.of(f.hand.translation.y / stature_m)).collect();
+    let gain = |ratio: f64, low: f64| 1.0 + (ratio - 1.0) * low;
+    let likelihood = |joint: usize, ratio: f64| {
+        let (mut logs, mut sum) = (0.0, 0.0);
+        for (low, v) in lows.iter().zip(unit) {
+            let g = gain(ratio, *low);
+            logs += g.ln();
+            sum += (v[joint] / g).powi(2);
+        }
+        -logs - 0.5 * lows.len() as f64 * sum.max(f64::MIN_POSITIVE).ln()
+    };
+    let n = unit.first().map_or(0, DVector::len);
+    let best = |joint: usize| {
+        let by = |a: &f64, b: &f64| likelihood(joint, *a).total_cmp(&likelihood(joint, *b));
+        LOW_RATIOS.into_iter().max_by(by).unwrap_or(1.0)
+    };
+    let ratios = DVector::from_fn(n, |joint, _| best(joint));
+    let size = |ratio: f64| {
+        crate::math::stats::mean(&lows.iter().map(|l| gain(ratio, *l).powi(2)).collect::<Vec<_>>())
+            .sqrt()
+    };
+    let (high, low) = (ratios.map(|r| 1.0 / size(r)), ratios.map(|r| r / size(r)));
+    LowNoise { lowness, high, low }
 }
 
 /// The covariance C of noise of which only `N_W e` is seen.
@@ -459,6 +510,7 @@ mod tests {
                 speed_share: 0.5,
                 speed_rms_m_s: (squares / frames.len() as f64).sqrt(),
             },
+            low: None,
         };
         let mut residuals = Vec::new();
         for (r, run) in runs(&frames).iter().enumerate() {
@@ -471,7 +523,7 @@ mod tests {
                 Residual { frame, value, growth: DVector::from_element(24, 1.0) }
             }));
         }
-        let found = learn_noise(&law, &residuals, false);
+        let found = learn_noise(&law, &residuals, (false, None));
         let Clock::Seconds { speed_share, .. } = found.clock else { panic!("{:?}", found.clock) };
         assert!((speed_share - 0.5).abs() < 0.26, "{speed_share}");
         assert!((found.shares.white - 0.2).abs() < 0.08, "{:?}", found.shares);
@@ -488,5 +540,41 @@ mod tests {
         let (own, planted) = (seen(&found.covariance()), seen(&truth.covariance()));
         let error = (&own - &planted).norm() / planted.norm();
         assert!(error < 0.25, "covariance off by {error}");
+    }
+
+    #[test]
+    fn noise_at_low_hands_is_found() {
+        let data = made_up(1, 20.0, 30.0);
+        let frames: Vec<&Frame> = data.frames.iter().collect();
+        let mut heights: Vec<f64> = frames.iter().map(|f| f.hand.translation.y / 1.6).collect();
+        heights.sort_by(f64::total_cmp);
+        let lowness =
+            Lowness { from: heights[heights.len() * 3 / 4], to: heights[heights.len() / 4] };
+        let truth = |joint: usize, height: f64| match joint {
+            0..12 => 1.0 + lowness.of(height),
+            _ => 1.0,
+        };
+        let mut rng = stream(9, Purpose::Simulation, 0, 0);
+        let heights: Vec<f64> = frames.iter().map(|f| f.hand.translation.y / 1.6).collect();
+        let unit: Vec<DVector<f64>> = heights
+            .iter()
+            .map(|h| {
+                let draws = crate::math::stream::normals(&mut rng, 24);
+                DVector::from_fn(24, |joint, _| draws[joint] * truth(joint, *h))
+            })
+            .collect();
+        let two = low_noise(lowness, &frames, &unit, 1.6);
+        let ratio = |joint: usize| two.low[joint] / two.high[joint];
+        // Neighbours on the grid count.
+        assert!((0..12).all(|j| (1.4..=2.8).contains(&ratio(j))), "{two:?}");
+        assert!((12..24).all(|j| (0.84..=1.21).contains(&ratio(j))), "{two:?}");
+        let middle = |joints: std::ops::Range<usize>| {
+            crate::math::stats::quantile(&joints.map(ratio).collect::<Vec<_>>(), 0.5)
+        };
+        assert!((middle(0..12) - 2.0).abs() < 1e-9 && (middle(12..24) - 1.0).abs() < 1e-9);
+        for joint in [0, 20] {
+            let squares: Vec<f64> = heights.iter().map(|h| two.gains(*h)[joint].powi(2)).collect();
+            assert!((crate::math::stats::mean(&squares) - 1.0).abs() < 1e-9);
+        }
     }
 }

@@ -198,7 +198,7 @@ mod tests {
             rate_hz: 60.0,
             segments: segments.collect(),
             segment_lengths_m: Vec::new(),
-            notes: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 

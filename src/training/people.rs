@@ -6,14 +6,16 @@ mod left_out;
 
 pub use file::{PEOPLE_SCHEMA, PeopleFile, read_people_file};
 pub use left_out::{
-    FeatureScore, LeftOut, MovementScore, PersonScore, Predictor, PredictorScore, validate,
+    Bands, FeatureScore, LeftOut, MovementScore, PersonScore, Predictor, PredictorScore, validate,
 };
 
 use super::dataset::{Dataset, Trial};
+use super::measurer::bend_deg;
+pub use super::measurer::{FEATURES, Features};
 use super::source::{Source, Whom, read_source, refuse_twice};
 use crate::files::InputError;
-use crate::human::{Body, BodySize, Coupled, Legs, Pelvis, Side, Stance, pelvis_in_rest};
-use crate::kinematics::{Frames, Linkage};
+use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
+use crate::kinematics::Frames;
 use crate::math::Vec3;
 use crate::recording::{Recording, read};
 use rayon::prelude::*;
@@ -46,13 +48,6 @@ pub struct Movement {
     /// What was recorded at each of its rows.
     pub seen: Vec<Features>,
 }
-
-/// Names of what is compared, in order.
-pub const FEATURES: [&str; 5] = ["pelvis height", "trunk", "upper arm", "elbow", "knees"];
-
-/// Height of the hips (leg lengths), inclination of the trunk, elevation of the upper arm from the trunk,
-/// flexion of the elbow, and of both knees on average (deg).
-pub type Features = [f64; 5];
 
 /// Reads and fits all recordings of all people.
 ///
@@ -177,50 +172,6 @@ fn recorded(recording: &Recording, side: Side) -> Result<Vec<Features>, InputErr
             ]
         })
         .collect())
-}
-
-/// Angle at the middle of three points, 0 for a straight line, deg.
-fn bend_deg([a, b, c]: [Vec3; 3]) -> f64 {
-    (b - a).angle(&(c - b)).to_degrees()
-}
-
-/// Tells the same of postures of a body.
-#[derive(Debug, Clone)]
-pub(super) struct Measurer {
-    chain: Linkage,
-    legs: Legs,
-    leg_m: f64,
-}
-
-impl Measurer {
-    pub(super) fn new(body: &Body, side: Side) -> Result<Self, InputError> {
-        let of = |part: &str| format!("{}{part}", side.prefix());
-        let names = ["T8".to_owned(), of("UpperArm"), of("ForeArm"), of("Hand")];
-        let coupled = Coupled { hands: side.into(), pelvis: Pelvis::Moves };
-        let chain = body.chain(coupled, &names.each_ref().map(String::as_str))?;
-        let legs = Legs::new(body, Stance::Standing { shoe_m: 0.0 })?;
-        Ok(Self { chain, legs, leg_m: body.leg_m() })
-    }
-
-    /// Of a posture (pelvis and joints, n, leg lengths and rad).
-    pub(super) fn measure(&self, q: &[f64]) -> Features {
-        let mut frames = Frames::default();
-        self.chain.forward(q, &mut frames);
-        let (_, thorax) = self.chain.tip_frame(&frames, 1);
-        let up: Vec3 = thorax.column(1).into_owned();
-        let [shoulder, elbow, hand] = [2, 3, 4].map(|tip| self.chain.tip_frame(&frames, tip).0);
-        let pelvis = pelvis_in_rest(&q[..6], self.leg_m);
-        let knees = self.legs.postures(&pelvis).map(|leg| -leg.knee.to_degrees());
-        let hips = (pelvis * nalgebra::Point3::from(self.legs.between_hips())).y;
-        let ankles = self.legs.between_feet(false).y;
-        [
-            (hips - ankles) / self.legs.length_m(),
-            up.angle(&Vec3::y()).to_degrees(),
-            (elbow - shoulder).angle(&-up).to_degrees(),
-            bend_deg([shoulder, elbow, hand]),
-            0.5 * (knees[0] + knees[1]),
-        ]
-    }
 }
 
 fn side_name(side: Side) -> &'static str {

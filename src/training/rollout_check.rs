@@ -186,7 +186,8 @@ fn rest_deg_s(
         let time: Vec<f64> = (0..=REST_SAMPLES).map(|i| REST_STEP_S * f64::from(i)).collect();
         let hands = vec![run[0].hand; time.len()];
         let path = HandPath::new(&dataset.coupling, law, time, hands);
-        let start = Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false };
+        let start =
+            Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false, mode: None };
         for r in 0..REST_PEOPLE {
             let mut rng = stream(settings.seed, Purpose::Posture, p as u32, r);
             let person = sampler.draw(&mut rng, &path);
@@ -254,11 +255,30 @@ pub fn learn_repetitions(
     }
     let laws = std::slice::from_ref(law);
     let unseen = unseen_residuals(dataset, &inner, laws, settings, is_pulled)?;
-    let noise = learn_noise(&law.law, &unseen[0], settings.goes_with_hand(is_person));
+    let noise =
+        learn_noise(&law.law, &unseen[0], (settings.goes_with_hand(is_person), dataset.lowness()));
     let held_out: Vec<HeldOut> = blocks.into_iter().chain(later).collect();
     let calibration = calibrate(dataset, &held_out, &noise, settings.seed)?;
     let noise = Noise { factor: &noise.factor * calibration, ..noise };
     Ok(LearnedRepetitions { noise, calibration, is_pulled, pull_error_deg })
+}
+
+/// The same for a part of the data with what was found on all of it: only the noise is learned anew.
+///
+/// # Errors
+/// Where the chain is singular in the data.
+pub(super) fn repetitions_of_part(
+    part: &Dataset,
+    law: &Law,
+    whole: &LearnedRepetitions,
+    settings: &TrainSettings,
+) -> Result<LearnedRepetitions, InputError> {
+    let laws = std::slice::from_ref(law);
+    let unseen = unseen_residuals(part, &part.blocks(), laws, settings, whole.is_pulled)?;
+    let goes_with_hand = settings.goes_with_hand(part.person.is_some());
+    let noise = learn_noise(&law.law, &unseen[0], (goes_with_hand, part.lowness()));
+    let noise = Noise { factor: &noise.factor * whole.calibration, ..noise };
+    Ok(LearnedRepetitions { noise, ..whole.clone() })
 }
 
 /// A law that has not seen some frames, and the frames.
@@ -339,12 +359,17 @@ fn calibrate(
 }
 
 pub(super) fn walk_path(dataset: &Dataset, law: &PostureLaw, run: &[&Frame]) -> (HandPath, Start) {
-    // Times from zero, and exactly even: a piece may start anywhere in its recording.
-    let step = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
-    let time: Vec<f64> = (0..run.len()).map(|i| step * i as f64).collect();
-    let hands: Vec<Pose> = run.iter().map(|f| f.hand).collect();
+    let (time, hands) = timed_hands(run);
     let path = HandPath::new(&dataset.coupling, law, time, hands);
-    (path, Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false })
+    (path, Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false, mode: None })
+}
+
+/// Times (s) and hands of a run. Times are from zero, and exactly even: a piece may start anywhere in its
+/// recording.
+pub(super) fn timed_hands(run: &[&Frame]) -> (Vec<f64>, Vec<Pose>) {
+    let step = (run[run.len() - 1].time_s - run[0].time_s) / (run.len() - 1) as f64;
+    let time = (0..run.len()).map(|i| step * i as f64).collect();
+    (time, run.iter().map(|f| f.hand).collect())
 }
 
 /// Mean joint error (deg) along the hand paths of the frames, in closed loop without noise.
@@ -382,7 +407,8 @@ fn drift_deg(dataset: &Dataset, law: &PostureLaw, paths: &[Vec<&Frame>]) -> f64 
             let time: Vec<f64> = (0..trips.len()).map(|i| step * i as f64).collect();
             let hands: Vec<Pose> = trips.iter().map(|f| f.hand).collect();
             let path = HandPath::new(&dataset.coupling, law, time, hands);
-            let start = Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false };
+            let start =
+                Start { q: Some(run[0].q.clone()), distance: 0.0, is_unusual: false, mode: None };
             let rollout = roll_out(&dataset.coupling, law, &path, &start, None);
             rollout.q.last().map_or(0.0, |q| rms_deg(&(q - &run[0].q)))
         })

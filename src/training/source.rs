@@ -8,7 +8,7 @@ use super::over_feet::{OverFeet, over_feet};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
-use crate::recording::read;
+use crate::recording::{Remark, grouped, read};
 use std::path::{Path, PathBuf};
 
 /// Joints from the pelvis to a grip.
@@ -40,8 +40,8 @@ pub struct Source {
     pub trials: Vec<Trial>,
     /// How the joint angles came about.
     pub angles: Angles,
-    /// What looks odd in it.
-    pub notes: Vec<String>,
+    /// What was assumed of it, and what looks odd.
+    pub remarks: Vec<Remark>,
 }
 
 /// How joint angles came about.
@@ -105,11 +105,12 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
     let settings = FitSettings::default();
     let motion = fit(&recording, whom.body, whom.side, &settings)?;
     let report = motion.report.clone();
-    let mut notes: Vec<String> = recording.notes.iter().chain(&report.notes).cloned().collect();
+    let mut remarks: Vec<Remark> =
+        recording.remarks.iter().chain(&report.remarks).cloned().collect();
     let mut trial = Trial::from(&motion);
     if whom.pelvis != Some(Pelvis::Rests) {
         if let Some(standing) = over_feet(&recording, whom.body, settings.cutoff_hz)? {
-            notes.extend(standing_notes(&standing));
+            remarks.extend(standing_remarks(&standing));
             trial = trial.on_pelvis(&standing.pelvis);
         } else if whom.pelvis.is_some() {
             return Err(InputError::new(&recording.source, "does not hold both legs")
@@ -117,7 +118,7 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
         }
     }
     Ok(Source {
-        notes: notes.iter().map(|n| format!("{}: {n}", recording.source)).collect(),
+        remarks,
         name: recording.source.clone(),
         sha256: recording.sha256.clone(),
         simulated: false,
@@ -142,26 +143,28 @@ fn from_angles(path: &Path, whom: &Whom) -> Result<Source, InputError> {
         simulated: file.simulated,
         trials: file.trials,
         angles: Angles::Given { cutoff_hz: file.cutoff_hz },
-        notes: Vec::new(),
+        remarks: Vec::new(),
     })
 }
 
 /// What a reader should know of a pelvis over its feet.
-fn standing_notes(standing: &OverFeet) -> Vec<String> {
+fn standing_remarks(standing: &OverFeet) -> Vec<Remark> {
     /// Lowering that is worth a word, leg lengths.
     const WORTH_A_WORD: f64 = 0.02;
-    let mut notes = vec![format!(
+    let text = format!(
         "the pelvis is told from the feet, which step in {:.0} % of the frames; leg of {:.2} m from hip to ankle",
         100.0 * standing.stepping_share,
         standing.leg_m
-    )];
+    );
+    let mut remarks = vec![Remark::new("feet", text).of_size(standing.stepping_share)];
     if standing.lowered > WORTH_A_WORD {
-        notes.push(format!(
+        let text = format!(
             "the pelvis was lowered by up to {:.0} % of a leg, for the legs of the body to reach its feet side by side",
             100.0 * standing.lowered
-        ));
+        );
+        remarks.push(Remark::new("lowered pelvis", text).of_size(standing.lowered));
     }
-    notes
+    remarks
 }
 
 /// One recording without legs leaves every pelvis at rest.
@@ -170,10 +173,8 @@ fn rest_where_one_must(sources: &mut [Source]) {
     let Some(still) = sources.iter().find(|s| !moves(s)).map(|s| s.name.clone()) else { return };
     for source in sources.iter_mut().filter(|s| s.fit().is_some()) {
         if moves(source) {
-            source.notes.push(format!(
-                "{}: learned over a pelvis that rests, as {still} holds no legs",
-                source.name
-            ));
+            let text = format!("learned over a pelvis that rests, as {still} holds no legs");
+            source.remarks.push(Remark::new("resting pelvis", text));
             source.trials.iter_mut().for_each(Trial::leave_pelvis);
         }
     }
@@ -201,6 +202,13 @@ pub(super) fn refuse_twice(sources: &[&Source]) -> Result<(), InputError> {
         }
     }
     Ok(())
+}
+
+/// What should be known of recordings, said once where it is true of several.
+pub fn remarks_of<'a>(sources: impl IntoIterator<Item = &'a Source>) -> Vec<String> {
+    let all: Vec<_> =
+        sources.into_iter().map(|s| (s.name.as_str(), s.remarks.as_slice())).collect();
+    grouped(&all)
 }
 
 /// What a model of these recordings was made from and how.
@@ -231,6 +239,6 @@ pub fn provenance(sources: &[Source], whom: &Whom) -> Provenance {
         recordings: sources.iter().map(|s| (s.name.clone(), s.sha256.clone())).collect(),
         body: (whom.body.name.clone(), whom.body.sha256()),
         settings,
-        notes: sources.iter().flat_map(|s| s.notes.clone()).collect(),
+        notes: remarks_of(sources),
     }
 }

@@ -14,7 +14,7 @@ use super::methods::{Law, learn_laws, singular};
 use super::settings::{PullRule, TrainSettings};
 use crate::files::InputError;
 use crate::math::Pose;
-use crate::posture::{Attraction, Method, Origin, PostureDistribution, Pull};
+use crate::posture::{Attraction, LowPostures, Method, Origin, PostureDistribution, Pull};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
@@ -139,31 +139,91 @@ fn shrunk(full: DMatrix<f64>) -> DMatrix<f64> {
     full * (1.0 - POSTURE_SHRINKAGE) + diagonal * POSTURE_SHRINKAGE + floor
 }
 
+/// How a posture departs from the usual one at the hand's place, learned without its trial.
+struct Departure {
+    /// How well the usual posture is known there.
+    known: f64,
+    /// How low the hand is.
+    low: f64,
+    off: DVector<f64>,
+}
+
 /// Shrunk covariance about the usual posture at the hand's place, learned without the frame's trial: each
-/// frame counts as far as the usual posture is known there. None without a pull or without other trials.
+/// frame counts as far as the usual posture is known there. Where hands are low it is another if that makes
+/// what was left out likelier. None without a pull or without other trials.
 pub(super) fn learn_about_usual(
     dataset: &Dataset,
     settings: &TrainSettings,
-) -> Option<DMatrix<f64>> {
+) -> Option<(DMatrix<f64>, Option<LowPostures>)> {
     let stature_m = dataset.coupling.stature_m();
-    let (mut sum, mut known) = (None, 0.0);
+    let lowness = dataset.lowness();
+    let mut folds: Vec<Vec<Departure>> = Vec::new();
     for fold in dataset.held_out() {
         let attraction = learn_attraction(dataset, &dataset.select(&fold.train), settings)?;
-        for frame in sparse(&dataset.select(&fold.test)) {
+        let test = sparse(&dataset.select(&fold.test));
+        let departures = test.into_iter().map(|frame| {
             let usual = attraction.usual_posture(&frame.hand, stature_m);
-            let (weight, off) = (usual.trust(), &frame.q - usual.posture);
-            let n = off.len();
-            let sum = sum.get_or_insert_with(|| DMatrix::zeros(n, n));
-            sum.ger(weight, &off, &off, 1.0);
-            known += weight;
-        }
+            let low = lowness.map_or(0.0, |l| l.of(frame.hand.translation.y / stature_m));
+            Departure { known: usual.trust(), low, off: &frame.q - usual.posture }
+        });
+        folds.push(departures.collect());
     }
-    sum.filter(|_| known > 0.0).map(|sum| shrunk(sum / known))
+    let all: Vec<&Departure> = folds.iter().flatten().collect();
+    let whole = spread_of(&all, |_| 1.0)?;
+    let low = lowness.filter(|_| is_likelier_by_height(&folds));
+    match low.and_then(|lowness| Some((lowness, by_height(&all)?))) {
+        Some((lowness, [high, about_usual])) => {
+            Some((high, Some(LowPostures { lowness, about_usual })))
+        }
+        None => Some((whole, None)),
+    }
+}
+
+/// Shrunk weighted second moment; none where nothing is known.
+fn spread_of(all: &[&Departure], weight: impl Fn(&Departure) -> f64) -> Option<DMatrix<f64>> {
+    let n = all.first()?.off.len();
+    let (mut sum, mut known) = (DMatrix::zeros(n, n), 0.0);
+    for d in all {
+        let own = d.known * weight(d);
+        sum.ger(own, &d.off, &d.off, 1.0);
+        known += own;
+    }
+    (known > 0.0).then(|| shrunk(sum / known))
+}
+
+/// Of hands that are not low, and of those that are.
+fn by_height(all: &[&Departure]) -> Option<[DMatrix<f64>; 2]> {
+    Some([spread_of(all, |d| 1.0 - d.low)?, spread_of(all, |d| d.low)?])
+}
+
+/// Whether departures that were left out are likelier where their spread goes by the height of the hand.
+fn is_likelier_by_height(folds: &[Vec<Departure>]) -> bool {
+    let gain = |left_out: usize| -> Option<f64> {
+        let others = folds.iter().enumerate().filter(|(f, _)| *f != left_out);
+        let others: Vec<&Departure> = others.flat_map(|(_, own)| own).collect();
+        let whole = spread_of(&others, |_| 1.0)?;
+        let [high, low] = by_height(&others)?;
+        let own = folds[left_out].iter().map(|d| {
+            let here = &high * (1.0 - d.low) + &low * d.low;
+            Some(d.known * (log_density(&here, &d.off)? - log_density(&whole, &d.off)?))
+        });
+        own.sum()
+    };
+    (0..folds.len()).map(gain).sum::<Option<f64>>().is_some_and(|gain| gain > 0.0)
+}
+
+/// Logarithm of a Gaussian's density about zero, but for a constant.
+fn log_density(covariance: &DMatrix<f64>, off: &DVector<f64>) -> Option<f64> {
+    let factor = covariance.clone().cholesky()?;
+    let white = factor.l().solve_lower_triangular(off)?;
+    let log_det: f64 = factor.l().diagonal().iter().map(|d| d.ln()).sum();
+    Some(-log_det - 0.5 * white.norm_squared())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::stream::{Purpose, stream};
     use crate::training::dataset::tests::made_up;
 
     #[test]
@@ -173,6 +233,34 @@ mod tests {
         let postures = learn_postures(&frames);
         assert!(postures.covariance.clone().cholesky().is_some());
         assert!(postures.mahalanobis(&frames[2].q) < 3.0);
+    }
+
+    #[test]
+    fn spreads_by_height_are_found_where_there_are_two() {
+        let folds = |sd_low: f64| -> Vec<Vec<Departure>> {
+            let departure = |rng: &mut _, i: usize| {
+                let low = f64::from(u8::from(i % 2 == 0));
+                let sd = 0.1 + (sd_low - 0.1) * low;
+                let off = DVector::from_vec(crate::math::stream::normals(rng, 3)) * sd;
+                Departure { known: 1.0, low, off }
+            };
+            let fold = |f: u64| {
+                let mut rng = stream(f, Purpose::Simulation, 3, 0);
+                (0..60).map(|i| departure(&mut rng, i)).collect()
+            };
+            (0..4).map(fold).collect()
+        };
+        assert!(!is_likelier_by_height(&folds(0.1)));
+        let two = folds(0.3);
+        assert!(is_likelier_by_height(&two));
+        let [high, low] = by_height(&two.iter().flatten().collect::<Vec<_>>()).unwrap();
+        let floor = POSTURE_FLOOR_RAD.powi(2);
+        let sd = |m: &DMatrix<f64>| (m.trace() / 3.0 - floor).sqrt();
+        assert!((sd(&high) - 0.1).abs() < 0.01 && (sd(&low) - 0.3).abs() < 0.03);
+        // The density of a standard normal, but for its constant.
+        let off = DVector::from_vec(vec![1.0, 2.0]);
+        let density = log_density(&DMatrix::identity(2, 2), &off).unwrap();
+        assert!((density + 2.5).abs() < 1e-12);
     }
 
     #[test]

@@ -9,22 +9,16 @@
 use super::dataset::{Dataset, Frame};
 use super::evaluate::{Judging, MethodScore, evaluate};
 use super::methods::{Law, learn_laws};
+use super::modes::{learn_modes, modes_note};
 use super::rollout_check::{LearnedRepetitions, learn_repetitions};
 use super::settings::{PullRule, TrainSettings};
-use super::spread::{learn_about_usual, learn_attraction, learn_postures};
+use super::way::{learn_way, rounded};
 use crate::files::InputError;
-use crate::human::PELVIS_JOINTS;
 use crate::math::stats::mean;
-use crate::posture::{
-    Clock, Drift, Method, MethodQuality, Noise, PostureDistribution, PostureLaw, PostureModel,
-    Provenance,
-};
-use nalgebra::DMatrix;
+use crate::posture::{Clock, Method, MethodQuality, PostureModel, Provenance};
 use std::collections::BTreeSet;
 
-/// Significant digits kept of learned numbers, and of scores. Fewer than computed, so that the file
-/// does not depend on the rounding of one processor.
-const DIGITS: i32 = 9;
+/// Significant digits kept of scores.
 const SCORE_DIGITS: i32 = 5;
 
 /// Learns a posture model of the person of `dataset`.
@@ -71,44 +65,22 @@ pub fn learn(
     let laws = learn_laws(&[method], &all, stature_m, settings, None)?;
     let law = laws.into_iter().next().ok_or_else(|| InputError::new(name, "has no law"))?;
     let repetitions = learn_repetitions(dataset, &every, &law, settings)?;
-    let noise = &repetitions.noise;
     let people: BTreeSet<usize> = dataset.frames.iter().map(|f| f.person).collect();
     let mut provenance = Provenance { people: people.len(), ..provenance };
     provenance.settings.extend(described(settings, &law, &repetitions, dataset));
     provenance.notes.extend(notes(dataset, &law, &repetitions, settings));
-    let postures = learn_postures(&all);
-    // A whole person's postures are too many to be taken together: who bends for the floor does not at a bench.
-    let is_whole = dataset.joints.iter().any(|j| PELVIS_JOINTS.contains(&j.as_str()));
-    let about_usual =
-        if is_whole && repetitions.is_pulled { learn_about_usual(dataset, settings) } else { None };
-    let weight = symmetric(&rounded_matrix(&law.law.weight));
+    let modes = learn_modes(dataset, &law, &repetitions, settings)?;
+    provenance.notes.extend(modes.as_ref().map(modes_note));
+    let (law, postures) = learn_way(dataset, law, &repetitions, settings);
     Ok(PostureModel {
         name: name.to_owned(),
         method,
         side,
         size,
         joints: dataset.joints.clone(),
-        law: PostureLaw {
-            weight,
-            attraction: if repetitions.is_pulled {
-                learn_attraction(dataset, &all, settings)
-            } else {
-                None
-            },
-            noise: Noise {
-                factor: rounded_matrix(&noise.factor),
-                correlation_time_s: rounded(noise.correlation_time_s, DIGITS),
-                white_interval_s: rounded(noise.white_interval_s, DIGITS),
-                clock: rounded_clock(noise.clock),
-                ..noise.clone()
-            },
-            ..law.law
-        },
-        postures: PostureDistribution {
-            mean: postures.mean.map(|v| rounded(v, DIGITS)),
-            covariance: symmetric(&rounded_matrix(&postures.covariance)),
-            about_usual: about_usual.map(|about| symmetric(&rounded_matrix(&about))),
-        },
+        law,
+        postures,
+        modes,
         quality: Vec::new(),
         provenance,
     })
@@ -228,48 +200,4 @@ fn notes(
         }
     }
     notes
-}
-
-fn rounded_clock(clock: Clock) -> Clock {
-    let short = |v: f64| rounded(v, DIGITS);
-    match clock {
-        Clock::Hand { speed_m_s, drift: Drift { speed_rad_s, time_s } } => Clock::Hand {
-            speed_m_s: short(speed_m_s),
-            drift: Drift { speed_rad_s: short(speed_rad_s), time_s: short(time_s) },
-        },
-        Clock::Seconds { speed_share, speed_rms_m_s } => {
-            Clock::Seconds { speed_share, speed_rms_m_s: short(speed_rms_m_s) }
-        }
-    }
-}
-
-/// `value` with a number of significant digits.
-fn rounded(value: f64, digits: i32) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    // Through decimal text: the nearest number that prints with so many digits.
-    let text = format!("{value:.*e}", digits.unsigned_abs() as usize - 1);
-    text.parse().unwrap_or(value)
-}
-
-fn rounded_matrix(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    matrix.map(|v| rounded(v, DIGITS))
-}
-
-/// The upper triangle decides, so that rounding leaves the matrix symmetric.
-fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i.min(j), i.max(j))])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounding_keeps_significant_digits() {
-        assert_eq!(rounded(1.234_567_890_123, 5), 1.2346);
-        assert_eq!(rounded(-0.000_123_456_7, 3), -0.000_123);
-        assert_eq!(rounded(0.0, 3), 0.0);
-    }
 }

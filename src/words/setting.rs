@@ -133,6 +133,11 @@ pub fn warning(w: &Warning) -> String {
         Warning::Adapted(Adaptation::PelvisFixed) => {
             "the pelvis is fixed, as the scenario says: the rest of the body is predicted given that".to_owned()
         }
+        Warning::Adapted(Adaptation::OneWay) => {
+            "the posture model tells straighter and bent knees apart by where people stand; the planner may choose \
+             that here, so both are one broad way"
+                .to_owned()
+        }
         Warning::FacesAway(away) => format!(
             "the worker faces {:.0} deg away from the middle of the task; worker.facing_deg = {:.0} would \
              face it",

@@ -1,10 +1,39 @@
 //! What the whole body does along a path, in words.
 
 use super::number::percent;
-use crate::planner::{BodyStrain, Spread};
+use crate::planner::{BodyStrain, ModeShare, Spread};
 
 fn band(s: &Spread, digits: usize, unit: &str) -> String {
     format!("{:.digits$} {unit} (90 % band {:.digits$} to {:.digits$})", s.median, s.p05, s.p95)
+}
+
+/// So many of ten.
+fn of_ten(share: f64) -> String {
+    format!("{:.0}", 10.0 * share)
+}
+
+/// How often people bend their back, and how often their knees.
+fn ways(straighter: &ModeShare, bent: &ModeShare) -> String {
+    let recorded = |m: &ModeShare| {
+        format!("recorded: trunk at {:.0}, knees at {:.0} deg", m.trunk_deg, m.knees_deg)
+    };
+    let [movements, people] = bent.movements;
+    let near = match bent.movements_near {
+        near if near < 1.0 => "none".to_owned(),
+        near => format!("about {near:.0}"),
+    };
+    format!(
+        "in {} of 10 repetitions with bent knees ({}), in {} with straighter knees ({}). The recordings \
+         would allow {} to {} of 10 with bent knees: {near} of their {movements} low movements ({people} \
+         {}) put the hand down near here. They show what people did, not why",
+        of_ten(bent.of_repetitions),
+        recorded(bent),
+        of_ten(straighter.of_repetitions),
+        recorded(straighter),
+        of_ten(bent.share_90[0]),
+        of_ten(bent.share_90[1]),
+        if people == 1 { "person" } else { "people" },
+    )
 }
 
 /// Name and sentence of each figure.
@@ -17,6 +46,9 @@ pub fn lines(s: &BodyStrain) -> Vec<(&'static str, String)> {
             percent(bent)
         );
         all.push(("knees", sentence));
+    }
+    if let [straighter, bent] = &s.modes[..] {
+        all.push(("ways", ways(straighter, bent)));
     }
     if let (Some(margin), Some(heels)) = (&s.balance_margin_m, s.raised_heels_share) {
         let cm = Spread {
@@ -71,4 +103,32 @@ pub fn lines(s: &BodyStrain) -> Vec<(&'static str, String)> {
         all.push(("lifting", sentence));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_are_told_with_how_sure_they_are() {
+        let mode =
+            |trunk_deg: f64, knees_deg: f64, of_repetitions: f64, share_90: [f64; 2]| ModeShare {
+                trunk_deg,
+                knees_deg,
+                share: of_repetitions,
+                share_90,
+                of_repetitions,
+                movements_near: 8.6,
+                movements: [32, 5],
+            };
+        let straighter = mode(109.0, 64.0, 0.6, [0.42, 0.78]);
+        let bent = mode(69.0, 132.0, 0.4, [0.22, 0.58]);
+        let text = ways(&straighter, &bent);
+        let wanted = "in 4 of 10 repetitions with bent knees (recorded: trunk at 69, knees at 132 deg), \
+                      in 6 with straighter knees";
+        assert!(text.starts_with(wanted), "{text}");
+        assert!(text.contains("2 to 6 of 10 with bent knees: about 9 of their 32"), "{text}");
+        let nowhere = ModeShare { movements_near: 0.2, ..bent };
+        assert!(ways(&straighter, &nowhere).contains("none of their 32"));
+    }
 }

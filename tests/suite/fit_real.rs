@@ -31,7 +31,7 @@ fn show(label: &str, motion: &JointMotion) {
         "   at limit {:.3}: {:.3?}; projected {} by {:.3} deg",
         r.frames_at_limit_share, r.joints_at_limit, r.frames_projected, r.largest_overshoot_deg
     );
-    println!("   {:#?}", r.notes);
+    println!("   {:#?}", r.remarks);
 }
 
 /// A recording and a body whose arms are about as long as the recorded ones.

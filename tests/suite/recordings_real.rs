@@ -76,7 +76,7 @@ fn mvnx_joint_angles_are_those_of_the_file() {
         }
         println!(
             "{name}: largest difference {worst:.5} deg; {:?}; {:?}",
-            r.segment_lengths_m, r.notes
+            r.segment_lengths_m, r.remarks
         );
         assert!(worst < 0.01, "{name}: {worst} deg");
     }
@@ -149,7 +149,7 @@ fn handover_bodies_move_like_a_person() {
     for (person, side) in [("giver", 1.0), ("taker", -1.0)] {
         let r = read(&path, Some(person)).unwrap();
         assert_eq!((r.frames(), r.segments.len(), r.rate_hz), (801, 13, 120.0));
-        println!("{person}: {:?}\n{:?}", r.segment_lengths_m, r.notes);
+        println!("{person}: {:?}\n{:?}", r.segment_lengths_m, r.remarks);
         for name in ["Pelvis", "L3", "T8"] {
             let track = r.segment(name).unwrap();
             let tilt: Vec<f64> = track

@@ -180,8 +180,12 @@ fn the_rest_pose_is_a_t_pose_with_palms_down() {
         assert_relative_eq!(r.length_m(name).unwrap(), wanted, epsilon = 1e-9);
     }
     assert!(!format!("{r:?}").contains("Secret"));
-    assert!(r.notes.iter().any(|n| n.contains("collar bones stand still")), "{:?}", r.notes);
-    assert!(posed(&[("lclavicle", "0 5")]).notes.iter().all(|n| !n.contains("stand still")));
+    assert!(
+        r.remarks.iter().any(|n| n.text.contains("collar bones stand still")),
+        "{:?}",
+        r.remarks
+    );
+    assert!(posed(&[("lclavicle", "0 5")]).remarks.iter().all(|n| !n.text.contains("stand still")));
 }
 
 #[test]
@@ -306,8 +310,9 @@ mod refusals;
 fn a_leg_that_was_solved_half_a_turn_round_is_turned_back() {
     let usual = posed(&[("lfemur", "-90 0 0"), ("ltibia", "120")]);
     let turned = posed(&[("lfemur", "-90 0 180"), ("ltibia", "240")]);
-    let told = |r: &Recording| r.notes.iter().any(|n| n.contains("left knee bends forwards in 1"));
-    assert!(!told(&usual) && told(&turned), "{:?}", turned.notes);
+    let told =
+        |r: &Recording| r.remarks.iter().any(|n| n.text.contains("left knee bends forwards in 1"));
+    assert!(!told(&usual) && told(&turned), "{:?}", turned.remarks);
     for (a, b) in usual.segments.iter().zip(&turned.segments) {
         // A foot follows its shank in the file, and the toes the foot.
         let is_after = a.name == "LeftToe";

@@ -26,14 +26,14 @@ pub fn read_recorded(
         .par_iter()
         .map(|side| (*side, fit(recording, body, *side, &FitSettings::default())))
         .collect();
-    let mut notes = recording.notes.clone();
+    let mut notes: Vec<String> = recording.remarks.iter().map(|r| r.text.clone()).collect();
     let mut arms = Vec::new();
     let mut refused = None;
     for (side, result) in fits {
         match result {
             Ok(motion) => {
-                notes
-                    .extend(motion.report.notes.iter().map(|n| format!("{} arm: {n}", word(side))));
+                let told = motion.report.remarks.iter();
+                notes.extend(told.map(|r| format!("{} arm: {}", word(side), r.text)));
                 arms.push((side, motion));
             }
             Err(e) => {

@@ -8,18 +8,19 @@
 //! known but the path of the hand from the feet and the size of the body.
 
 use super::super::dataset::{Dataset, Frame, runs};
+use super::super::measurer::Measurer;
 use super::super::methods::{Law, learn_laws};
+use super::super::modes::learn_modes;
 use super::super::rollout_check::{band_end, sampled_law, walk_path};
 use super::super::settings::TrainSettings;
 use super::super::spread::{learn_about_usual, learn_attraction, learn_postures};
-use super::{FEATURES, Features, Measurer, Movement, Person, refuse_unlike};
+use super::super::strangers::{mean_energy_deg, strangers};
+use super::{FEATURES, Features, Movement, Person, refuse_unlike};
 use crate::files::InputError;
 use crate::human::Body;
-use crate::math::stats::mean;
-use crate::math::stream::{Purpose, stream};
 use crate::posture::{
-    Attraction, HandFeatures, Method, PostureDistribution, PostureLaw, Sampler, StartRule,
-    postures_at, roll_out, start_postures,
+    Attraction, HandFeatures, Method, Modelled, Modes, PostureDistribution, PostureLaw, low_place,
+    roll_out,
 };
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -90,6 +91,17 @@ pub struct FeatureScore {
     pub width_90: f64,
 }
 
+/// What repetitions of strangers say of a movement.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bands {
+    /// Bands.
+    pub features: Vec<FeatureScore>,
+    /// Mean energy score of the four angles, deg.
+    pub energy_deg: f64,
+    /// Share of the repetitions that could not follow the hand to its end.
+    pub ended_share: f64,
+}
+
 /// One movement of somebody who was left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MovementScore {
@@ -99,12 +111,13 @@ pub struct MovementScore {
     pub frames: usize,
     /// Errors from the recorded first posture.
     pub predictors: Vec<PredictorScore>,
-    /// Bands.
-    pub features: Vec<FeatureScore>,
-    /// Mean energy score of the four angles, deg.
-    pub energy_deg: f64,
-    /// Share of the repetitions that could not follow the hand to its end.
-    pub ended_share: f64,
+    /// Bands of repetitions.
+    #[serde(flatten)]
+    pub bands: Bands,
+    /// The same where one law stands for all modes.
+    pub one_law: Bands,
+    /// Predicted shares of the modes; empty where they are not told apart.
+    pub modes: Vec<f64>,
     /// How far the fitted body itself is from the record, rms, in the order of [`FEATURES`].
     pub fit_rms: Features,
 }
@@ -165,6 +178,7 @@ struct Taught<'a> {
     usual: Option<Attraction>,
     hands: HandFeatures,
     postures: PostureDistribution,
+    modes: Option<Modes>,
 }
 
 impl<'a> Taught<'a> {
@@ -179,7 +193,8 @@ impl<'a> Taught<'a> {
             attraction: usual.clone().filter(|_| is_pulled),
             ..law.law.clone()
         };
-        let (full, _) = sampled_law(dataset, &every, &laws[0], settings)?;
+        let (full, repetitions) = sampled_law(dataset, &every, &laws[0], settings)?;
+        let modes = learn_modes(dataset, &laws[0], &repetitions, settings)?;
         let clock = full.noise.clock;
         let clocked = |mut law: PostureLaw| {
             law.noise.clock = clock;
@@ -187,11 +202,10 @@ impl<'a> Taught<'a> {
         };
         let [diagonal, plain] = [of(&laws[1], true), of(&laws[2], false)].map(clocked);
         let hands = HandFeatures::fit(&all.iter().map(|f| f.hand).collect::<Vec<_>>(), stature_m);
-        let postures = PostureDistribution {
-            about_usual: learn_about_usual(dataset, settings),
-            ..learn_postures(&all)
-        };
-        Ok(Self { dataset, full, diagonal, plain, usual, hands, postures })
+        let (about_usual, low) = learn_about_usual(dataset, settings).unzip();
+        let postures =
+            PostureDistribution { about_usual, low: low.flatten(), ..learn_postures(&all) };
+        Ok(Self { dataset, full, diagonal, plain, usual, hands, postures, modes })
     }
 
     /// The posture of the frame whose hand is nearest.
@@ -288,54 +302,29 @@ fn score(
         .iter()
         .map(|&predictor| PredictorScore { predictor, rms: predicted(predictor) })
         .collect();
-    let (walks, ended_share) = strangers((taught, own), measurer, run, settings)?;
-    let (features, energy_deg) = bands(&walks, &seen, leg_m);
+    let stranger = |modes: Option<&Modes>| {
+        let people = Modelled::of((&taught.full, &taught.postures), modes)?;
+        let how = (settings.seed, REPETITIONS);
+        let (walks, ended_share) = strangers(&people, (own, measurer), run, how);
+        let (features, energy_deg) = bands(&walks, &seen, leg_m);
+        Some(Bands { features, energy_deg, ended_share })
+    };
+    let place = low_place(run.iter().map(|f| &f.hand), stature_m);
+    let told = taught.modes.as_ref().and_then(|modes| modes.at(place));
+    let one_law = stranger(None)?;
+    let bands = match told {
+        Some(_) => stranger(taught.modes.as_ref())?,
+        None => one_law.clone(),
+    };
     Some(MovementScore {
         movement: movement.trial.source.clone(),
         frames: run.len(),
         predictors,
-        features,
-        energy_deg,
-        ended_share,
+        bands,
+        one_law,
+        modes: told.map_or_else(Vec::new, |t| t.shares),
         fit_rms: rms(&mut run.iter().map(|f| measurer.measure(f.q.as_slice()))),
     })
-}
-
-/// Repetitions of people of whom nothing is known, and the share that ended early.
-fn strangers(
-    (taught, own): (&Taught, &Dataset),
-    measurer: &Measurer,
-    run: &[&Frame],
-    settings: &TrainSettings,
-) -> Option<(Vec<Vec<Features>>, f64)> {
-    let law = &taught.full;
-    let (path, _) = walk_path(own, law, run);
-    let postures = postures_at((law, &taught.postures), &own.coupling, path.start());
-    let block = run[0].trial as u32;
-    let starts = start_postures(
-        &own.coupling,
-        &postures,
-        &StartRule::Sampled,
-        *path.start(),
-        (settings.seed, block),
-        0..REPETITIONS,
-    );
-    let sampler = Sampler::new(law, settings.sampling)?;
-    let walks: Vec<_> = starts
-        .iter()
-        .enumerate()
-        .map(|(r, start)| {
-            let mut rng = stream(settings.seed, Purpose::Posture, block, r as u32);
-            let draw = sampler.draw(&mut rng, &path);
-            roll_out(&own.coupling, law, &path, start, Some(&draw))
-        })
-        .collect();
-    let ended = walks.iter().filter(|w| w.reach_exceeded_at.is_some()).count();
-    let started = walks.iter().zip(&starts).filter(|(_, s)| s.q.is_some());
-    let shown = started
-        .map(|(w, _)| w.q.iter().map(|q| measurer.measure(q.as_slice())).collect())
-        .collect();
-    Some((shown, ended as f64 / REPETITIONS as f64))
 }
 
 /// What the bands of repetitions (R x T) hold of the record, and the energy score of the angles.
@@ -358,26 +347,14 @@ fn bands(walks: &[Vec<Features>], seen: &[Features], leg_m: f64) -> (Vec<Feature
         let count = seen.len() as f64;
         FeatureScore { feature, coverage: inside.map(|i| i / count), width_90: width / count }
     });
-    let away = |a: &Features, b: &Features| -> f64 {
-        (1..FEATURES.len()).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()
-    };
-    let energy = |(t, seen): (usize, &Features)| {
-        let count = walks.len() as f64;
-        let to_seen: f64 = walks.iter().map(|w| away(&w[t], seen)).sum::<f64>() / count;
-        let mut between = 0.0;
-        for (i, a) in walks.iter().enumerate() {
-            between += walks[..i].iter().map(|b| away(&a[t], &b[t])).sum::<f64>();
-        }
-        to_seen - between / (count * (count - 1.0))
-    };
-    let energies: Vec<f64> = seen.iter().enumerate().map(energy).collect();
-    (features.collect(), mean(&energies))
+    (features.collect(), mean_energy_deg(walks, seen))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::human::Side;
+    use crate::math::stats::mean;
     use crate::training::SimulatedMovements;
     use crate::training::dataset::Trial;
     use crate::training::motion_file::trial_of;
@@ -437,7 +414,10 @@ mod tests {
                 [Predictor::FullW, Predictor::MeanPosture].map(|p| error(p, feature));
             assert!(law < 0.7 * still, "{name}: {law} against {still}");
             let held = mean(
-                &movements.iter().map(|m| m.features[feature].coverage[1]).collect::<Vec<_>>(),
+                &movements
+                    .iter()
+                    .map(|m| m.bands.features[feature].coverage[1])
+                    .collect::<Vec<_>>(),
             );
             assert!((0.75..=1.0).contains(&held), "{name}: bands hold {held}");
         }

@@ -127,7 +127,7 @@ fn everybody_stands_on_the_floor_and_moves_smoothly() {
             assert!((low..high).contains(&length), "{name}: {part} of {length} m");
         }
         // Where a leg was solved half a turn round, the file's foot jumps with it: told, and kept.
-        let was_turned = r.notes.iter().any(|n| n.contains("knee bends forwards"));
+        let was_turned = r.remarks.iter().any(|n| n.text.contains("knee bends forwards"));
         turned += usize::from(was_turned);
         let may_jump = |text: &str| {
             let is_foot = ["Foot", "Toe"].iter().any(|part| text.contains(part));
@@ -135,8 +135,8 @@ fn everybody_stands_on_the_floor_and_moves_smoothly() {
                 JUMPS.iter().any(|(clip, part)| name.contains(clip) && text.contains(part));
             is_known || (was_turned && is_foot)
         };
-        let jumps: Vec<&String> = r.notes.iter().filter(|n| n.contains("jumps")).collect();
-        assert!(jumps.iter().all(|n| may_jump(n)), "{name}: {jumps:?}");
+        let jumps: Vec<&Remark> = r.remarks.iter().filter(|n| n.text.contains("jumps")).collect();
+        assert!(jumps.iter().all(|n| may_jump(&n.text)), "{name}: {jumps:?}");
         // The most upright frame.
         let up = least((0..r.frames()).map(|i| knees(r, i) + trunk(r, i)));
         let place = |segment: &str| at(r, segment, up);

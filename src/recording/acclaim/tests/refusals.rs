@@ -100,7 +100,7 @@ fn the_skeleton_is_the_one_whose_name_the_motion_begins_with() {
     put("02.asf", &asf(0, 1.0, true));
     let r = get("02_06.amc").unwrap();
     assert_eq!(r.rate_hz, 120.0);
-    assert!(r.notes.iter().any(|n| n.contains("taken as 120 Hz")), "{:?}", r.notes);
+    assert!(r.remarks.iter().any(|n| n.text.contains("taken as 120 Hz")), "{:?}", r.remarks);
     let joined = asf(0, 1.0, true) + &amc(&[&[]]);
     assert_eq!(r.sha256, crate::files::sha256_hex(joined.as_bytes()));
     // Two that fit, and then one of the very name.
@@ -112,7 +112,11 @@ fn the_skeleton_is_the_one_whose_name_the_motion_begins_with() {
     put("02_06_100.asf", &asf(0, 1.0, true));
     let r = get("02_06_100.amc").unwrap();
     assert_eq!(r.rate_hz, 100.0);
-    assert!(r.notes.iter().any(|n| n.contains("100 Hz taken from the end")), "{:?}", r.notes);
+    assert!(
+        r.remarks.iter().any(|n| n.text.contains("100 Hz taken from the end")),
+        "{:?}",
+        r.remarks
+    );
     assert_eq!(rate(Path::new("a/02_060.amc")), (120.0, false));
     assert_eq!(rate(Path::new("120.amc")), (120.0, false));
     assert!(get("none.amc").unwrap_err().message().contains("cannot be read"));
