@@ -104,7 +104,9 @@ fn read_recorded(args: &Args, body: &Body) -> Result<(Vec<Source>, Dataset), Inp
     let people = read_people(&read_people_file(file)?)?;
     let dataset = people_dataset(&people, body)?;
     let whose = |p: Person| {
-        p.sources.into_iter().map(move |s| Source { name: format!("{}: {}", p.name, s.name), ..s })
+        p.sources
+            .into_iter()
+            .map(move |s| Source { name: format!("{} of {}", s.name, p.name), ..s })
     };
     Ok((people.into_iter().flat_map(whose).collect(), dataset))
 }

@@ -298,7 +298,7 @@ mod tests {
             let place = Vec3::new(0.35, up, right_m);
             Pose::from_parts(place.into(), natural_grip(-0.3))
         };
-        ((0..20).map(|i| 0.05 * i as f64).collect(), (0..20).map(|i| at(i).into()).collect())
+        ((0..20).map(|i| 0.05 * f64::from(i)).collect(), (0..20).map(|i| at(i).into()).collect())
     }
 
     #[test]

@@ -28,6 +28,7 @@ impl Remark {
     }
 
     /// The same, of a size.
+    #[must_use]
     pub fn of_size(self, size: f64) -> Self {
         Self { size, ..self }
     }
@@ -56,12 +57,16 @@ pub fn grouped(recordings: &[(&str, &[Remark])]) -> Vec<String> {
     let all = recordings.len();
     let line = |(remark, name, names, is_same): (&Remark, &str, Vec<&str>, bool)| {
         let text = &remark.text;
+        let of = if names.len() == all {
+            format!("in all {all} recordings")
+        } else {
+            format!("in {} of {all} recordings", names.len())
+        };
         match (names.len(), is_same) {
             (1, _) => format!("{name}: {text}"),
-            (n, true) if n == all => format!("all {all} recordings: {text}"),
-            (n, true) => format!("{n} of {all} recordings, {name} the first: {text}"),
-            (n, false) if n == all => format!("all {all} recordings, {name} most of all: {text}"),
-            (n, false) => format!("{n} of {all} recordings, {name} most of all: {text}"),
+            (n, true) if n == all => format!("{of}: {text}"),
+            (_, true) => format!("{of}, first in {name}: {text}"),
+            (_, false) => format!("{of}, most in {name}: {text}"),
         }
     };
     groups.into_iter().map(line).collect()
@@ -79,7 +84,10 @@ mod tests {
         let told = grouped(&[("a", &a), ("b", &b), ("c", &c)]);
         assert_eq!(
             told,
-            ["all 3 recordings: rate taken as 120 Hz", "2 of 3 recordings, b most of all: steps 7"]
+            [
+                "in all 3 recordings: rate taken as 120 Hz",
+                "in 2 of 3 recordings, most in b: steps 7"
+            ]
         );
     }
 

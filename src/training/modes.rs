@@ -188,8 +188,11 @@ fn at_lowest(frames: &[&Frame], of: impl Fn(&Frame) -> Vector2<f64>) -> Vector2<
     sorted.iter().take(count).map(|f| of(f)).sum::<Vector2<f64>>() / count as f64
 }
 
+/// Means of two Gaussians, and the share that each has of every point.
+type Mixed = ([Vector2<f64>; 2], Vec<[f64; 2]>);
+
 /// Means of two Gaussians, and how much of each every point is; none for fewer than two points.
-fn two_gaussians(points: &[Vector2<f64>]) -> Option<([Vector2<f64>; 2], Vec<[f64; 2]>)> {
+fn two_gaussians(points: &[Vector2<f64>]) -> Option<Mixed> {
     let count = points.len();
     if count < 2 {
         return None;
@@ -311,6 +314,9 @@ mod tests {
         DVector::from_iterator(joints.len(), joints.iter().map(of))
     }
 
+    /// Angles that a way is about, and where its hand is: [ahead, to the right].
+    type Way<'a> = (&'a [(&'a str, f64)], [f64; 2]);
+
     const STOOP: [(&str, f64); 5] = [
         ("pelvis_forward", -0.1),
         ("jPelvis_Z", -0.9),
@@ -327,8 +333,8 @@ mod tests {
     ];
 
     /// People who reach down here and there, the first of each pair of movements in one way and the second in
-    /// another: [ahead, to the right] of each.
-    fn people(ways: [(&[(&str, f64)], [f64; 2]); 2]) -> Dataset {
+    /// another.
+    fn people(ways: [Way; 2]) -> Dataset {
         let body = Body::load("male_p50", Path::new(".")).unwrap();
         let still = trial_of("still".to_owned(), 30.0, &vec![vec![0.0; 80]; 30]);
         let mut moved = still;

@@ -239,7 +239,7 @@ mod tests {
     fn spreads_by_height_are_found_where_there_are_two() {
         let folds = |sd_low: f64| -> Vec<Vec<Departure>> {
             let departure = |rng: &mut _, i: usize| {
-                let low = f64::from(u8::from(i % 2 == 0));
+                let low = f64::from(u8::from(i.is_multiple_of(2)));
                 let sd = 0.1 + (sd_low - 0.1) * low;
                 let off = DVector::from_vec(crate::math::stream::normals(rng, 3)) * sd;
                 Departure { known: 1.0, low, off }
