@@ -39,9 +39,11 @@ const SHOE_M: f64 = 0.03;
 const STRAIGHT_RAD: f64 = 0.1;
 /// What is added to the squares of a straight leg's Jacobian (m and rad).
 const STRAIGHT_DAMPING: f64 = 1e-5;
-/// Excess of a leg that counts as none, m or rad, and most tries for the heel's rise.
+/// Excess of an ankle that counts as none, rad; how exactly the heel's rise is found, rad, in at most so many
+/// tries.
 const SETTLED: f64 = 1e-7;
-const MOST_TRIES: usize = 40;
+const SETTLED_HEEL: f64 = 1e-9;
+const MOST_TRIES: usize = 60;
 
 /// Angles of one leg, rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -312,8 +314,81 @@ impl LegPosture {
     }
 }
 
-/// Place of an ankle and axes of its foot, rest frame.
-type Footing = (Vec3, Matrix3<f64>);
+/// Sine and cosine of an angle.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    sin: f64,
+    cos: f64,
+}
+
+impl Turn {
+    fn of(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { sin, cos }
+    }
+
+    /// The other way round.
+    fn back(self) -> Self {
+        Self { sin: -self.sin, ..self }
+    }
+
+    fn angle(self) -> f64 {
+        self.sin.atan2(self.cos)
+    }
+}
+
+/// How far a heel is raised, rad.
+#[derive(Debug, Clone, Copy)]
+struct Rise {
+    heel: f64,
+    turn: Turn,
+}
+
+impl Rise {
+    const NONE: Self = Self { heel: 0.0, turn: Turn { sin: 0.0, cos: 1.0 } };
+
+    fn of(heel: f64) -> Self {
+        Self { heel, turn: Turn::of(heel) }
+    }
+
+    /// What is seen from a foot with its heel down, seen from this one.
+    fn turned(&self, v: &Vec3) -> Vec3 {
+        let Turn { sin, cos } = self.turn;
+        Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
+    }
+}
+
+/// A hip seen from the ankle, in the axes of the foot.
+#[derive(Debug, Clone, Copy)]
+struct HipSeen {
+    /// m.
+    r: Vec3,
+    /// Length of its part across x, m.
+    yz: f64,
+    /// Flexion.
+    knee: Turn,
+    /// Sine and cosine of the angle between the shank and the way to the hip, times its length, m.
+    gamma: (f64, f64),
+}
+
+impl HipSeen {
+    /// The shank's plane holds the hip.
+    fn roll(&self) -> Turn {
+        if self.yz > 0.0 {
+            Turn { sin: -self.r.z / self.yz, cos: self.r.y / self.yz }
+        } else {
+            Turn { sin: 0.0, cos: 1.0 }
+        }
+    }
+
+    /// The shank's own.
+    fn lean(&self) -> Turn {
+        let (a, b) = self.gamma;
+        let (sin, cos) = (self.r.x * b + self.yz * a, self.yz * b - self.r.x * a);
+        let length = (sin * sin + cos * cos).sqrt();
+        if length > 0.0 { Turn { sin: sin / length, cos: cos / length } } else { Turn::of(0.0) }
+    }
+}
 
 impl Leg {
     /// With the foot under the hip.
@@ -347,7 +422,7 @@ impl Leg {
             thigh_m: -thigh.y,
             shank_m: -shank.y,
             ankle,
-            foot: about_y(if side == Side::Right { -TOE_OUT } else { TOE_OUT }),
+            foot: about_y(Turn::of(if side == Side::Right { -TOE_OUT } else { TOE_OUT })),
             ball: ball - ankle,
             ranges,
         })
@@ -357,79 +432,91 @@ impl Leg {
         self.thigh_m + self.shank_m
     }
 
-    /// With the heel raised by `heel` about the ball.
-    fn on(&self, heel: f64) -> Footing {
-        if heel == 0.0 {
-            return (self.ankle, self.foot);
+    /// Where the hip is for a foot with the heel down, and the least rise of the heel with which the ankle
+    /// stays within its range.
+    fn footing(&self, hip: &Vec3) -> (Rise, HipSeen) {
+        let flat = self.seen(self.foot.tr_mul(&(hip - self.ankle)));
+        let most = self.ranges[4].1;
+        if flat.lean().angle() - most <= SETTLED {
+            return (Rise::NONE, flat);
         }
-        let foot = self.foot * about_z(-heel);
-        (self.ankle + self.foot * self.ball - foot * self.ball, foot)
-    }
-
-    /// By how much the ankle would be bent too far to the shin on a foot, rad.
-    fn excess(&self, hip: &Vec3, (ankle, foot): &Footing) -> f64 {
-        let r = foot.tr_mul(&(hip - ankle));
-        let d = r.norm();
-        r.x.atan2(r.y.hypot(r.z)) + self.gamma(self.flexion(d)) - self.ranges[4].1
-    }
-
-    fn flexion(&self, d: f64) -> f64 {
-        let (a, s) = (self.thigh_m, self.shank_m);
-        ((d * d - a * a - s * s) / (2.0 * a * s)).clamp(-1.0, 1.0).acos()
-    }
-
-    fn gamma(&self, flexion: f64) -> f64 {
-        (self.thigh_m * flexion.sin()).atan2(self.shank_m + self.thigh_m * flexion.cos())
-    }
-
-    /// The least rise of the heel with which the ankle stays within its range.
-    fn heel(&self, hip: &Vec3) -> f64 {
-        if self.excess(hip, &(self.ankle, self.foot)) <= SETTLED {
-            return 0.0;
-        }
-        let beyond = |heel: f64| self.excess(hip, &self.on(heel));
+        // From the ball the hip turns against the foot: r = R_z(heel) p + ball.
+        let p = flat.r - self.ball;
+        let seen = |rise: &Rise| self.seen(rise.turned(&p) + self.ball);
         let (mut low, mut high) = (0.0, self.ranges[6].1);
-        let (mut at_low, mut at_high) = (beyond(low), beyond(high));
-        if at_high > 0.0 {
-            return high;
+        let highest = Rise::of(high);
+        let at_highest = seen(&highest);
+        if at_highest.lean().angle() > most {
+            return (highest, at_highest);
         }
-        // Regula falsi (Illinois): the excess falls steadily as the heel rises.
+        let (sin, cos) = most.sin_cos();
+        let mut heel = low;
         for _ in 0..MOST_TRIES {
-            let middle = (low * at_high - high * at_low) / (at_high - at_low);
-            let at_middle = beyond(middle);
-            if at_middle.abs() < SETTLED {
-                return middle;
-            }
-            if at_middle > 0.0 {
-                (low, at_low) = (middle, at_middle);
-                at_high *= 0.5;
+            let rise = Rise::of(heel);
+            let here = seen(&rise);
+            let (beyond, slope) = self.beyond(&here, (sin, cos));
+            if beyond > 0.0 {
+                low = heel
             } else {
-                (high, at_high) = (middle, at_middle);
-                at_low *= 0.5;
+                high = heel
             }
+            let next = heel - beyond / slope;
+            let is_inside = slope < 0.0 && next > low && next < high;
+            let next = if is_inside { next } else { 0.5 * (low + high) };
+            if (next - heel).abs() < SETTLED_HEEL {
+                return (rise, here);
+            }
+            heel = next;
         }
-        high
+        (Rise::of(high), seen(&Rise::of(high)))
+    }
+
+    /// Something that is positive where the ankle is bent beyond an angle (its sine and cosine), and its
+    /// slope over the rise of the heel: how far the hip is from where that ankle and a bent knee hold it.
+    /// The slope is of no use (positive) where the hip is ahead of a leg stretched at that angle.
+    ///
+    /// ```text
+    /// a^2 - |hip - knee|^2      knee at s (sin t, cos t) of the shank's plane
+    /// ```
+    fn beyond(&self, seen: &HipSeen, (sin, cos): (f64, f64)) -> (f64, f64) {
+        let HipSeen { r, yz, .. } = seen;
+        if r.x * cos - yz * sin >= 0.0 {
+            return (1.0, 1.0);
+        }
+        let (du, dy) = (self.ball.y - r.y, r.x - self.ball.x);
+        let dv = if *yz > 0.0 { r.y * dy / yz } else { 0.0 };
+        let (a, s) = (self.thigh_m, self.shank_m);
+        let at = 2.0 * s * (r.x * sin + yz * cos) - r.norm_squared() - s * s + a * a;
+        let slope = 2.0 * s * (du * sin + dv * cos) - 2.0 * (r.x * du + yz * dv);
+        (at, slope)
+    }
+
+    /// A leg to a hip at `r` from the ankle, in the axes of the foot.
+    fn seen(&self, r: Vec3) -> HipSeen {
+        let (a, s) = (self.thigh_m, self.shank_m);
+        let cos = ((r.norm_squared() - a * a - s * s) / (2.0 * a * s)).clamp(-1.0, 1.0);
+        let knee = Turn { sin: (1.0 - cos * cos).sqrt(), cos };
+        HipSeen { r, yz: (r.y * r.y + r.z * r.z).sqrt(), knee, gamma: (a * knee.sin, s + a * cos) }
     }
 
     fn solve(&self, at: &Vec3, turn: &Matrix3<f64>) -> Bent {
         let hip = at + turn * self.hip;
-        let heel = self.heel(&hip);
-        let (ankle, foot) = self.on(heel);
-        let r = foot.tr_mul(&(hip - ankle));
-        let d = r.norm();
-        let k = self.flexion(d);
-        let roll = (-r.z).atan2(r.y);
-        let lean = r.x.atan2(r.y.hypot(r.z)) + self.gamma(k);
-        let upright = foot * about_x(-roll);
-        let shank = upright * about_z(-lean);
-        let thigh = shank * about_z(k);
-        let hip_angles = zxy(&turn.tr_mul(&thigh));
+        let (rise, seen) = self.footing(&hip);
+        let (mut ankle, mut foot) = (self.ankle, self.foot);
+        if rise.heel > 0.0 {
+            foot *= about_z(Turn { sin: -rise.turn.sin, cos: rise.turn.cos });
+            ankle += self.foot * self.ball - foot * self.ball;
+        }
+        let (roll, lean) = (seen.roll(), seen.lean());
+        let upright = foot * about_x(roll.back());
+        let shank = upright * about_z(lean.back());
+        let thigh = shank * about_z(seen.knee);
         let posture = LegPosture {
-            hip: hip_angles,
-            knee: -k,
-            ankle: [lean, roll],
-            heel,
-            short_m: (d - self.longest_m()).max(0.0),
+            hip: zxy(&turn.tr_mul(&thigh)),
+            knee: -seen.knee.angle(),
+            ankle: [lean.angle(), roll.angle()],
+            heel: rise.heel,
+            short_m: (seen.r.norm() - self.longest_m()).max(0.0),
         };
         let knee = ankle + shank.column(1) * self.shank_m;
         Bent { posture, foot, shank, thigh, ankle, knee, hip }
@@ -486,7 +573,8 @@ impl Leg {
     /// How each angle of the leg changes with the pelvis' coordinates; none where that is singular.
     fn rates(&self, bent: &Bent, at: &Vec3, columns: &Matrix6<f64>) -> Option<[Vector6<f64>; 7]> {
         let p = &bent.posture;
-        let pelvis_z = bent.thigh * about_y(-p.hip[2]) * about_x(-p.hip[1]);
+        let [_, x, y] = p.hip.map(|angle| Turn::of(-angle));
+        let pelvis_z = bent.thigh * about_y(y) * about_x(x);
         let hip_x = pelvis_z.column(0).into_owned();
         let axis = |m: &Matrix3<f64>, i: usize| -> Vec3 { m.column(i).into_owned() };
         let ball = bent.ankle + bent.foot * self.ball;
@@ -524,18 +612,15 @@ impl Leg {
     }
 }
 
-fn about_x(angle: f64) -> Matrix3<f64> {
-    let (s, c) = angle.sin_cos();
+fn about_x(Turn { sin: s, cos: c }: Turn) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
 }
 
-fn about_y(angle: f64) -> Matrix3<f64> {
-    let (s, c) = angle.sin_cos();
+fn about_y(Turn { sin: s, cos: c }: Turn) -> Matrix3<f64> {
     Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
 }
 
-fn about_z(angle: f64) -> Matrix3<f64> {
-    let (s, c) = angle.sin_cos();
+fn about_z(Turn { sin: s, cos: c }: Turn) -> Matrix3<f64> {
     Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 }
 

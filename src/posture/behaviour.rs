@@ -177,17 +177,21 @@ impl Behaviour for Modelled<'_> {
         (seed, block): (u64, u32),
         numbers: Range<usize>,
     ) -> Vec<Start> {
-        let of = |mode: Option<usize>, numbers: Range<usize>| {
+        let here = |mode: Option<usize>| {
             let way = self.way(mode);
-            let postures = postures_at((way.law, way.postures), coupling, grips);
-            start_postures(coupling, &postures, rule, grips, (seed, block), numbers)
+            postures_at((way.law, way.postures), coupling, grips)
         };
-        let Some(mixture) = mixture else { return of(None, numbers) };
+        let of = |postures: &PostureDistribution, numbers: Range<usize>| {
+            start_postures(coupling, postures, rule, grips, (seed, block), numbers)
+        };
+        let Some(mixture) = mixture else { return of(&here(None), numbers) };
+        let postures: Vec<_> = (0..mixture.shares.len()).map(|mode| here(Some(mode))).collect();
         let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
         let one = |r: usize| {
             // Levels spread evenly, whatever the number of repetitions.
-            let mode = Some(mixture.mode_at((from + GOLDEN * r as f64).fract()));
-            of(mode, r..r + 1).into_iter().map(move |start| Start { mode, ..start })
+            let mode = mixture.mode_at((from + GOLDEN * r as f64).fract());
+            let starts = of(&postures[mode], r..r + 1).into_iter();
+            starts.map(move |start| Start { mode: Some(mode), ..start })
         };
         numbers.flat_map(one).collect()
     }

@@ -15,8 +15,9 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// Violations smaller than this (rad) are rounding.
 const LIMIT_TOLERANCE: f64 = 1e-10;
 const MOST_PASSES: usize = 48;
-/// Rows of the task that are treated together.
+/// Rows of the task that are treated together, and joints.
 const LANES: usize = 8;
+const ABREAST: usize = 4;
 
 /// Eight rows of the task at one joint; those that the task does not have are zero.
 type Lanes = [f64; LANES];
@@ -332,22 +333,32 @@ impl System {
         let Self { blocks, rows, across, gram, .. } = self;
         let (blocks, n) = (*blocks, locked.len());
         for b in 0..blocks {
-            for (i, w) in weight.chunks_exact(n).enumerate() {
-                if locked[i].is_some() {
-                    continue;
+            // Several joints at a time: their sums do not wait for each other.
+            for first in (0..n).step_by(ABREAST) {
+                let mut sums = [[0.0; LANES]; ABREAST];
+                let weights: [&[f64]; ABREAST] =
+                    std::array::from_fn(|a| &weight[(first + a).min(n - 1) * n..][..n]);
+                let [w0, w1, w2, w3] = weights;
+                let own = rows.iter().skip(b).step_by(blocks);
+                for ((((row, a), b), c), d) in own.zip(w0).zip(w1).zip(w2).zip(w3) {
+                    for (sum, w) in sums.iter_mut().zip([a, b, c, d]) {
+                        add_multiple(sum, *w, row);
+                    }
                 }
-                let mut sum = [0.0; LANES];
-                for (w, row) in w.iter().zip(rows.iter().skip(b).step_by(blocks)) {
-                    add_multiple(&mut sum, *w, row);
+                for (i, sum) in (first..n).zip(sums) {
+                    if locked[i].is_none() {
+                        across[i * blocks + b] = sum;
+                    }
                 }
-                across[i * blocks + b] = sum;
             }
-            // Eight rows of the product at a time, so that they stay in registers.
-            for from in (0..count).step_by(LANES) {
-                let mut sums = [[0.0; LANES]; LANES];
+            // Some rows of the product at a time, so that they stay in registers; only its lower triangle is
+            // looked at.
+            for from in (b * LANES..count).step_by(ABREAST) {
+                let mut sums = [[0.0; LANES]; ABREAST];
                 let left = rows.iter().skip(from / LANES).step_by(blocks);
                 for (left, right) in left.zip(across.iter().skip(b).step_by(blocks)) {
-                    for (sum, l) in sums.iter_mut().zip(left) {
+                    let (halves, _) = left.as_chunks::<ABREAST>();
+                    for (sum, l) in sums.iter_mut().zip(&halves[from % LANES / ABREAST]) {
                         add_multiple(sum, *l, right);
                     }
                 }

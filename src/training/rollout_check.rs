@@ -39,6 +39,8 @@ use serde::{Deserialize, Serialize};
 /// Rollouts of a band, and while the noise is calibrated.
 pub(super) const ROLLOUTS: u32 = 100;
 const CALIBRATION_ROLLOUTS: u32 = 40;
+/// Of several people, whose many movements say more than many rollouts of each.
+const CALIBRATION_ROLLOUTS_OF_PEOPLE: u32 = 20;
 /// Coverage at which the noise is calibrated.
 const TARGET: f64 = 0.9;
 /// Fewest frames from which a law is learned for that.
@@ -337,15 +339,19 @@ fn calibrate(
     noise: &Noise,
     seed: u64,
 ) -> Result<f64, InputError> {
+    let paths: Vec<Vec<Vec<&Frame>>> = held_out.iter().map(|(_, test)| pieces(test)).collect();
+    let rollouts =
+        if dataset.is_of_people() { CALIBRATION_ROLLOUTS_OF_PEOPLE } else { CALIBRATION_ROLLOUTS };
     let coverage = |factor: f64| -> Result<f64, InputError> {
         let (mut sum, mut count) = (0.0, 0.0);
-        for (own, test) in held_out {
+        for ((own, _), paths) in held_out.iter().zip(&paths) {
             let scaled = Noise { factor: &noise.factor * factor, ..noise.clone() };
             let own = PostureLaw { noise: scaled, ..own.clone() };
             let how = (seed, Sampling::Pathwise);
-            let (b, _) = bands(dataset, &own, &pieces(test), CALIBRATION_ROLLOUTS, how)?;
-            sum += test.len() as f64 * b.coverage_90;
-            count += test.len() as f64;
+            let (b, _) = bands(dataset, &own, paths, rollouts, how)?;
+            let frames = paths.iter().map(Vec::len).sum::<usize>() as f64;
+            sum += frames * b.coverage_90;
+            count += frames;
         }
         Ok(sum / f64::max(count, 1.0))
     };
