@@ -30,6 +30,11 @@ fn rms(movements: &[&MovementScore], predictor: Predictor, feature: usize) -> f6
     mean(&movements.iter().map(of).collect::<Vec<_>>())
 }
 
+/// Whether a predictor was there to be judged.
+fn is_known(movements: &[&MovementScore], predictor: Predictor) -> bool {
+    movements.iter().any(|m| m.predictors.iter().any(|p| p.predictor == predictor))
+}
+
 /// Mean coverage (50 or 90 %) of a feature over the frames of movements.
 fn coverage(movements: &[&MovementScore], feature: usize, level: usize) -> f64 {
     let frames: usize = movements.iter().map(|m| m.frames).sum();
@@ -55,7 +60,8 @@ fn angle_error(movements: &[&MovementScore], predictor: Predictor) -> f64 {
     mean(&(1..FEATURES.len()).map(|f| rms(movements, predictor, f)).collect::<Vec<_>>())
 }
 
-pub(super) fn as_json(found: &LeftOut) -> Value {
+/// `judged`: the name of the saved model that was judged; none where each person was left out.
+pub(super) fn as_json(found: &LeftOut, judged: Option<&str>) -> Value {
     let all = movements(found);
     let by_person = |predictor: Predictor| -> Vec<f64> {
         let of = |p: &crate::training::people::PersonScore| {
@@ -66,10 +72,12 @@ pub(super) fn as_json(found: &LeftOut) -> Value {
     let error = |predictor: Predictor| json!({"median": quantile(&by_person(predictor), 0.5), "people": by_person(predictor)});
     let baselines: Vec<Value> = Predictor::ALL[1..]
         .iter()
+        .filter(|p| is_known(&all, **p))
         .map(|p| json!({"name": p.name(), "posture_error_deg": error(*p)}))
         .collect();
     json!({
         "schema": "ergopath/validation/1",
+        "model": judged,
         "persons": found.people,
         "posture_error_deg": error(Predictor::FullW),
         "coverage50": {"pooled": pooled(&all, 0), "worst": worst(found, 0)},
@@ -81,9 +89,16 @@ pub(super) fn as_json(found: &LeftOut) -> Value {
     })
 }
 
-pub(super) fn print_text(found: &LeftOut) {
+pub(super) fn print_text(found: &LeftOut, judged: Option<&str>) {
     let all = movements(found);
-    say!("{} people left out one by one, {} movements", found.people.len(), all.len());
+    let people = match found.people.len() {
+        1 => "1 person".to_owned(),
+        count => format!("{count} people"),
+    };
+    match judged {
+        Some(model) => say!("{people}, {} movements, predicted by {model}", all.len()),
+        None => say!("{people} left out one by one, {} movements", all.len()),
+    }
     let mut header = vec!["from the recorded first posture".to_owned()];
     header.extend(
         FEATURES
@@ -94,7 +109,7 @@ pub(super) fn print_text(found: &LeftOut) {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header(&header);
-    for predictor in Predictor::ALL {
+    for predictor in Predictor::ALL.into_iter().filter(|p| is_known(&all, *p)) {
         let mut row = vec![predictor.name().to_owned()];
         row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", rms(&all, predictor, f))));
         table.add_row(row);

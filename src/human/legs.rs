@@ -39,10 +39,8 @@ const SHOE_M: f64 = 0.03;
 const STRAIGHT_RAD: f64 = 0.1;
 /// What is added to the squares of a straight leg's Jacobian (m and rad).
 const STRAIGHT_DAMPING: f64 = 1e-5;
-/// Excess of an ankle that counts as none, rad; how exactly the heel's rise is found, rad, in at most so many
-/// tries.
-const SETTLED: f64 = 1e-7;
-const SETTLED_HEEL: f64 = 1e-9;
+/// How exactly the heel's rise is found, rad, in at most so many tries.
+const SETTLED: f64 = 1e-10;
 const MOST_TRIES: usize = 60;
 
 /// Angles of one leg, rad.
@@ -437,7 +435,7 @@ impl Leg {
     fn footing(&self, hip: &Vec3) -> (Rise, HipSeen) {
         let flat = self.seen(self.foot.tr_mul(&(hip - self.ankle)));
         let most = self.ranges[4].1;
-        if flat.lean().angle() - most <= SETTLED {
+        if flat.lean().angle() <= most {
             return (Rise::NONE, flat);
         }
         // From the ball the hip turns against the foot: r = R_z(heel) p + ball.
@@ -456,14 +454,14 @@ impl Leg {
             let here = seen(&rise);
             let (beyond, slope) = self.beyond(&here, (sin, cos));
             if beyond > 0.0 {
-                low = heel
+                low = heel;
             } else {
-                high = heel
+                high = heel;
             }
             let next = heel - beyond / slope;
             let is_inside = slope < 0.0 && next > low && next < high;
             let next = if is_inside { next } else { 0.5 * (low + high) };
-            if (next - heel).abs() < SETTLED_HEEL {
+            if (next - heel).abs() < SETTLED {
                 return (rise, here);
             }
             heel = next;

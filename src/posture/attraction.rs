@@ -15,9 +15,10 @@
 //! exactly, whatever the size of the step.
 
 use super::noise::speed_squared;
+use crate::math::dense::{Factor, transposed_product};
 use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, UnitQuaternion};
+use nalgebra::{DMatrix, DVector, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 /// Length by which a rotation of the hand counts like a displacement, m/rad.
@@ -114,7 +115,7 @@ pub struct Attraction {
     postures: DMatrix<f64>,
     mean: DVector<f64>,
     coefficients: DMatrix<f64>,
-    factor: Option<Cholesky<f64, Dyn>>,
+    factor: Option<Factor>,
 }
 
 /// Whose a training posture is, and of which of their movements.
@@ -252,7 +253,7 @@ impl Attraction {
         for mut row in centred.row_iter_mut() {
             row -= mean.transpose();
         }
-        let factor = kernel.cholesky();
+        let factor = Factor::new(&kernel);
         let coefficients = factor
             .as_ref()
             .map_or_else(|| DMatrix::zeros(count, postures.ncols()), |f| f.solve(&centred));
@@ -320,10 +321,10 @@ impl Attraction {
         };
         let turned = UnitQuaternion::from_scaled_axis(rows(3)) * hand.rotation;
         let next = Pose::from_parts((hand.translation.vector + rows(0)).into(), turned);
-        let (a, b) = (self.usual_posture(hand, stature_m), self.usual_posture(&next, stature_m));
+        let usual = self.usual_postures(&[*hand, next], stature_m);
         let mut moved = DVector::zeros(q.len());
         let travel_m = speed_squared(twist).sqrt() * MOMENT_S;
-        self.add_pull(&mut moved, (&a, &b), q, (travel_m, MOMENT_S));
+        self.add_pull(&mut moved, (&usual[0], &usual[1]), q, (travel_m, MOMENT_S));
         moved / MOMENT_S
     }
 
@@ -354,17 +355,26 @@ impl Attraction {
 
     /// The usual posture for a hand pose (pelvis frame) of a body of `stature_m`.
     pub fn usual_posture(&self, hand: &Pose, stature_m: f64) -> UsualPosture {
-        let x = self.features.of(hand, stature_m);
-        let k = DVector::from_iterator(
-            self.inputs.len(),
-            self.inputs.iter().map(|i| squared_exponential(i, &x, self.length_scale)),
-        );
-        let posture = &self.mean + self.coefficients.tr_mul(&k);
-        let confidence = self.factor.as_ref().map_or(0.0, |f| {
-            // k^T K^-1 k = |L^-1 k|^2
-            f.l_dirty().solve_lower_triangular(&k).map_or(0.0, |v| v.norm_squared())
+        self.usual_postures(std::slice::from_ref(hand), stature_m).swap_remove(0)
+    }
+
+    /// The usual postures for many hand poses, which is faster than one by one.
+    pub fn usual_postures(&self, hands: &[Pose], stature_m: f64) -> Vec<UsualPosture> {
+        let x: Vec<[f64; 6]> = hands.iter().map(|h| self.features.of(h, stature_m)).collect();
+        let near = DMatrix::from_fn(self.inputs.len(), hands.len(), |i, j| {
+            squared_exponential(&self.inputs[i], &x[j], self.length_scale)
         });
-        UsualPosture { posture, confidence: confidence.clamp(0.0, 1.0) }
+        let off = transposed_product(&self.coefficients, &near);
+        // k^T K^-1 k = |L^-1 k|^2
+        let white = self.factor.as_ref().map(|f| f.solve_lower(&near));
+        let usual = |j: usize| {
+            let explained = white.as_ref().map_or(0.0, |w| w.column(j).norm_squared());
+            UsualPosture {
+                posture: &self.mean + off.column(j),
+                confidence: explained.clamp(0.0, 1.0),
+            }
+        };
+        (0..hands.len()).map(usual).collect()
     }
 }
 

@@ -17,6 +17,8 @@ pub const MODEL_SCHEMA: &str = "ergopath/posture-model/3";
 const SHIPPED: &[(&str, &str)] = &[
     ("demo_operator", include_str!("../../models/posture/demo_operator.json")),
     ("whole_operator", include_str!("../../models/posture/whole_operator.json")),
+    // Of another licence than the program: see models/posture/people.md.
+    ("people", include_str!("../../models/posture/people.json")),
 ];
 
 #[derive(Serialize)]

@@ -73,8 +73,12 @@ impl HandPath {
             Clock::Seconds { .. } => by_time(&targets, &travel, &time_s),
         };
         let mut path = Self { time_s, targets, knots, places, noise_grid };
-        for knot in &mut path.knots {
-            knot.usual = usual_posture(law, coupling, &knot.target);
+        let grips: Vec<Grips> = path.knots.iter().map(|k| k.target).collect();
+        let usual = usual_postures(law, coupling, &grips);
+        let usual = usual
+            .map_or_else(|| vec![None; grips.len()], |all| all.into_iter().map(Some).collect());
+        for (knot, usual) in path.knots.iter_mut().zip(usual) {
+            knot.usual = usual;
             let low = law.noise.low.as_ref();
             knot.gains = low.map(|low| low.gains(height(coupling, &knot.target)));
         }
@@ -156,9 +160,9 @@ pub fn postures_at<'a>(
     coupling: &Coupling,
     grips: &Grips,
 ) -> Cow<'a, PostureDistribution> {
-    match usual_posture(law, coupling, grips) {
-        Some(usual) => postures.near(&usual, height(coupling, grips)),
-        None => Cow::Borrowed(postures),
+    match usual_postures(law, coupling, std::slice::from_ref(grips)).as_deref() {
+        Some([usual, ..]) => postures.near(usual, height(coupling, grips)),
+        _ => Cow::Borrowed(postures),
     }
 }
 
@@ -167,19 +171,28 @@ fn height(coupling: &Coupling, grips: &Grips) -> f64 {
     grips.first.translation.y / coupling.stature_m()
 }
 
-/// The posture that is usual with the hands there.
-fn usual_posture(law: &PostureLaw, coupling: &Coupling, grips: &Grips) -> Option<UsualPosture> {
+/// The postures that are usual with the hands there; none without a pull.
+fn usual_postures(
+    law: &PostureLaw,
+    coupling: &Coupling,
+    grips: &[Grips],
+) -> Option<Vec<UsualPosture>> {
     let attraction = law.attraction.as_ref()?;
     let h = coupling.stature_m();
-    let of = |hand: usize, grip: &Pose| {
-        let usual = attraction.usual_orientation(&grip.translation.vector, h);
-        attraction.usual_posture(&coupling.looked_up(hand, grip, &usual), h)
+    let of = |hand: usize, poses: Vec<Pose>| {
+        let looked_up = |grip: &Pose| {
+            let usual = attraction.usual_orientation(&grip.translation.vector, h);
+            coupling.looked_up(hand, grip, &usual)
+        };
+        attraction.usual_postures(&poses.iter().map(looked_up).collect::<Vec<_>>(), h)
     };
-    let first = of(0, &grips.first);
-    let (Some(second), Some(pair)) = (&grips.second, &law.pair) else { return Some(first) };
+    let first = of(0, grips.iter().map(|g| g.first).collect());
     // The second hand is looked up in the mirror image, where it is the first.
-    let mirrored = mirrored_pose(second);
-    Some(pair.together(&first, &of(1, &mirrored)))
+    let second: Option<Vec<Pose>> =
+        grips.iter().map(|g| g.second.as_ref().map(mirrored_pose)).collect();
+    let (Some(second), Some(pair)) = (second, &law.pair) else { return Some(first) };
+    let both = first.iter().zip(of(1, second));
+    Some(both.map(|(first, second)| pair.together(first, &second)).collect())
 }
 
 type Layout = (Vec<Knot>, Vec<(usize, f64)>, (usize, f64));

@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-8;
 const SEARCH_ITERATIONS: usize = 60;
 const MOST_ITERATIONS: usize = 80;
 /// Change of a joint (rad) below which the nearest posture is found.
-const SETTLED: f64 = 1e-6;
+const SETTLED: f64 = 1e-9;
 /// Largest error of the hand that one iteration tries to close, m.
 const LARGEST_ERROR_M: f64 = 0.1;
 /// Largest change of a joint in one iteration, rad.

@@ -129,7 +129,7 @@ pub(super) struct WorkerFile {
     /// Shipped bodies (`female_p05`, `female_p50`, `male_p50`, `male_p95`) or URDF files made by `ergopath body`; the first is the main one.
     #[schemars(with = "Vec<String>", length(min = 1))]
     pub bodies: Spanned<Vec<Spanned<String>>>,
-    /// A shipped posture model (`demo_operator`, `whole_operator`) or a file that `ergopath train` wrote.
+    /// A shipped posture model (`people`, `whole_operator`, `demo_operator`) or a file that `ergopath train` wrote.
     #[schemars(with = "String")]
     pub posture_model: Spanned<String>,
     /// The hands on the robot: `right` (default), `left`, or `both`.

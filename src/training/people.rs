@@ -7,6 +7,7 @@ mod left_out;
 pub use file::{PEOPLE_SCHEMA, PeopleFile, read_people_file};
 pub use left_out::{
     Bands, FeatureScore, LeftOut, MovementScore, PersonScore, Predictor, PredictorScore, validate,
+    validate_model,
 };
 
 use super::dataset::{Dataset, Trial};

@@ -12,6 +12,7 @@
 use super::dataset::{Dataset, Fold, Frame, at_most, sparse};
 use super::methods::{Law, learn_laws, singular};
 use super::settings::{PullRule, TrainSettings};
+use super::way::rounded;
 use crate::files::InputError;
 use crate::math::Pose;
 use crate::posture::{Attraction, LowPostures, Method, Origin, PostureDistribution, Pull};
@@ -20,6 +21,8 @@ use std::collections::BTreeSet;
 
 pub(super) use super::noise_fit::autocorrelation_time;
 
+/// Significant digits kept of the many postures of several people: far below what a recording knows.
+const POSTURE_DIGITS: i32 = 6;
 /// Share of the diagonal in the posture covariance, and its floor, rad.
 const POSTURE_SHRINKAGE: f64 = 0.1;
 const POSTURE_FLOOR_RAD: f64 = std::f64::consts::PI / 180.0;
@@ -49,8 +52,11 @@ pub fn learn_attraction(
     let people: BTreeSet<usize> = frames.iter().map(|f| f.person).collect();
     let kept = at_most(&sparse(frames), settings.attraction_postures * people.len().max(1));
     let hands: Vec<Pose> = kept.iter().map(|f| f.hand).collect();
-    let rows: Vec<_> = kept.iter().map(|f| f.q.transpose()).collect();
+    let mut rows: Vec<_> = kept.iter().map(|f| f.q.transpose()).collect();
     if dataset.is_of_people() {
+        for row in &mut rows {
+            row.apply(|v| *v = rounded(*v, POSTURE_DIGITS));
+        }
         let origins = kept.iter().map(|f| Origin { person: f.person, movement: f.trial }).collect();
         return Some(Attraction::of_people(
             &hands,
@@ -161,8 +167,9 @@ pub(super) fn learn_about_usual(
     for fold in dataset.held_out() {
         let attraction = learn_attraction(dataset, &dataset.select(&fold.train), settings)?;
         let test = sparse(&dataset.select(&fold.test));
-        let departures = test.into_iter().map(|frame| {
-            let usual = attraction.usual_posture(&frame.hand, stature_m);
+        let hands: Vec<Pose> = test.iter().map(|f| f.hand).collect();
+        let usual = attraction.usual_postures(&hands, stature_m);
+        let departures = test.into_iter().zip(usual).map(|(frame, usual)| {
             let low = lowness.map_or(0.0, |l| l.of(frame.hand.translation.y / stature_m));
             Departure { known: usual.trust(), low, off: &frame.q - usual.posture }
         });

@@ -77,6 +77,34 @@ fn recorded_people_teach_a_whole_person_and_are_predicted() {
 }
 
 #[test]
+fn a_model_that_is_there_is_judged_on_one_person() {
+    let room = tempfile::tempdir().unwrap();
+    let Some(file) = people(&["bk"], room.path()) else { return };
+    let judged = |model: &str| {
+        let run = ergopath().arg("validate").arg(&file).args(["--model", model, "--json"]).assert();
+        let output = run.code(0).get_output().clone();
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(found["persons"][0]["movements"].as_array().unwrap().len(), 3);
+        // What needs the movements that a model was learned from is not there.
+        let baselines = found["baselines"].as_array().unwrap();
+        assert!(baselines.iter().all(|b| b["name"] != "nearest-neighbour"), "{baselines:?}");
+        assert!(baselines.iter().any(|b| b["name"] == "plain-ik"));
+        let energy_deg = found["energy_score_deg"].as_f64().unwrap();
+        (energy_deg, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (own, warned) = judged("people");
+    assert!(warned.contains("was learned from 3 of these 3 recordings"), "{warned}");
+    let (simulated, unwarned) = judged("whole_operator");
+    assert!(!unwarned.contains("was learned from"), "{unwarned}");
+    assert!(own < simulated, "{own} {simulated}");
+    let refuse = |args: &[&str], said: &str| {
+        assert_refused(ergopath().arg("validate").arg(&file).args(args), said);
+    };
+    refuse(&["--model", "demo_operator"], "learned over a pelvis that rests");
+    refuse(&["--model", "peopel"], "there is no shipped posture model `peopel`");
+}
+
+#[test]
 fn what_is_no_group_of_people_is_refused() {
     let room = tempfile::tempdir().unwrap();
     let Some(file) = people(&["bk"], room.path()) else { return };

@@ -84,3 +84,25 @@ fn shipped_models_are_of_the_shipped_movements() {
         assert!(model.provenance.simulated);
     }
 }
+
+#[test]
+fn the_model_of_recorded_people_is_of_the_recordings_that_it_names() {
+    let (model, _) = ergopath::posture::load_model("people", Path::new(".")).unwrap();
+    let made_from = &model.provenance;
+    assert!(!made_from.simulated && made_from.people == 5);
+    assert_eq!(model.modes.as_ref().map(|modes| modes.low.len()), Some(32));
+    // Whoever passes the model on says whose data it is derived from, and under which licence.
+    let card = std::fs::read_to_string(project("models/posture/people.md")).unwrap();
+    for text in [&made_from.notes[0], &card] {
+        assert!(text.contains("The data used in this project was obtained from HDM05"), "{text}");
+        assert!(text.contains("CC BY-SA 3.0"), "{text}");
+    }
+    assert_eq!(made_from.recordings.len(), 61);
+    let Some(folder) = crate::skips::shared("recordings/hdm05") else { return };
+    for (name, sha256) in &made_from.recordings {
+        let (motion, person) = name.split_once(" of ").unwrap();
+        let mut bytes = std::fs::read(folder.join(format!("HDM_{person}.asf"))).unwrap();
+        bytes.extend(std::fs::read(folder.join(motion)).unwrap());
+        assert_eq!(&ergopath::files::sha256_hex(&bytes), sha256, "{name}");
+    }
+}

@@ -5,7 +5,8 @@
 //! from starts that the law draws     bands of repetitions: share of the record inside, width, energy score
 //! ```
 //! Bands are those of a stranger at work: neither the first posture nor anything else of the person is
-//! known but the path of the hand from the feet and the size of the body.
+//! known but the path of the hand from the feet and the size of the body. A saved model is judged in the same
+//! way on people whom it has not seen.
 
 use super::super::dataset::{Dataset, Frame, runs};
 use super::super::measurer::Measurer;
@@ -17,12 +18,12 @@ use super::super::spread::{learn_about_usual, learn_attraction, learn_postures};
 use super::super::strangers::{mean_energy_deg, strangers};
 use super::{FEATURES, Features, Movement, Person, refuse_unlike};
 use crate::files::InputError;
-use crate::human::Body;
+use crate::human::{Body, Pelvis};
 use crate::posture::{
-    Attraction, HandFeatures, Method, Modelled, Modes, PostureDistribution, PostureLaw, low_place,
-    roll_out,
+    Attraction, HandFeatures, Method, Modelled, Modes, PostureDistribution, PostureLaw,
+    PostureModel, low_place, roll_out,
 };
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -133,7 +134,7 @@ pub struct PersonScore {
     pub movements: Vec<MovementScore>,
 }
 
-/// People left out one by one.
+/// People whom a model has not seen: left out one by one, or those on whom a saved model is judged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
     /// In the order of the file.
@@ -169,16 +170,45 @@ pub fn validate(
     Ok(Some(LeftOut { people: scores }))
 }
 
+/// Judges a saved model on people, as [`validate`] does on those whom it leaves out.
+///
+/// # Errors
+/// Where the model is one of the other hand or of another chain than a whole person, or nothing moves.
+pub fn validate_model(
+    people: &[Person],
+    model: &PostureModel,
+    settings: &TrainSettings,
+    told: &mut dyn FnMut(usize, usize) -> bool,
+) -> Result<Option<LeftOut>, InputError> {
+    if model.pelvis() != Pelvis::Moves {
+        return Err(InputError::new(&model.name, "was learned over a pelvis that rests")
+            .remedy("give a model of whole people: one trained on recordings that hold the legs"));
+    }
+    if let Some(other) = people.iter().find(|p| p.side != model.side) {
+        return Err(InputError::new(&other.name, "leads with the other hand than the model's")
+            .remedy("judge each side by a model of that side"));
+    }
+    let taught = Taught::saved(model);
+    let mut scores = Vec::new();
+    for (i, person) in people.iter().enumerate() {
+        if !told(i, people.len()) {
+            return Ok(None);
+        }
+        scores.push(judged(person, &taught, settings)?);
+    }
+    Ok(Some(LeftOut { people: scores }))
+}
+
 /// What the others teach.
 struct Taught<'a> {
-    dataset: &'a Dataset,
     full: PostureLaw,
-    diagonal: PostureLaw,
+    diagonal: Option<PostureLaw>,
     plain: PostureLaw,
     usual: Option<Attraction>,
-    hands: HandFeatures,
     postures: PostureDistribution,
     modes: Option<Modes>,
+    /// Whom it was learned from, and how their hands compare; not known of a saved model.
+    teachers: Option<(&'a Dataset, HandFeatures)>,
 }
 
 impl<'a> Taught<'a> {
@@ -201,23 +231,42 @@ impl<'a> Taught<'a> {
             law
         };
         let [diagonal, plain] = [of(&laws[1], true), of(&laws[2], false)].map(clocked);
+        let diagonal = Some(diagonal);
         let hands = HandFeatures::fit(&all.iter().map(|f| f.hand).collect::<Vec<_>>(), stature_m);
         let (about_usual, low) = learn_about_usual(dataset, settings).unzip();
         let postures =
             PostureDistribution { about_usual, low: low.flatten(), ..learn_postures(&all) };
-        Ok(Self { dataset, full, diagonal, plain, usual, hands, postures, modes })
+        let teachers = Some((dataset, hands));
+        Ok(Self { full, diagonal, plain, usual, postures, modes, teachers })
+    }
+
+    /// What a saved model teaches.
+    fn saved(model: &PostureModel) -> Self {
+        let full = model.law.clone();
+        let n = full.dof();
+        let weight = DMatrix::identity(n, n);
+        let plain = PostureLaw { weight, attraction: None, offset: None, ..full.clone() };
+        Self {
+            usual: full.attraction.clone(),
+            full,
+            diagonal: None,
+            plain,
+            postures: model.postures.clone(),
+            modes: model.modes.clone(),
+            teachers: None,
+        }
     }
 
     /// The posture of the frame whose hand is nearest.
-    fn nearest(&self, hand: &crate::math::Pose, stature_m: f64) -> &DVector<f64> {
-        let own_m = self.dataset.coupling.stature_m();
-        let x = self.hands.of(hand, stature_m);
+    fn nearest(&self, hand: &crate::math::Pose, stature_m: f64) -> Option<&DVector<f64>> {
+        let (dataset, hands) = self.teachers.as_ref()?;
+        let own_m = dataset.coupling.stature_m();
+        let x = hands.of(hand, stature_m);
         let away = |f: &Frame| -> f64 {
-            self.hands.of(&f.hand, own_m).iter().zip(&x).map(|(a, b)| (a - b).powi(2)).sum()
+            hands.of(&f.hand, own_m).iter().zip(&x).map(|(a, b)| (a - b).powi(2)).sum()
         };
-        let frames = self.dataset.frames.iter();
-        let near = frames.min_by(|a, b| away(a).total_cmp(&away(b)));
-        near.map_or(&self.postures.mean, |f| &f.q)
+        let near = dataset.frames.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        near.map(|f| &f.q)
     }
 }
 
@@ -230,7 +279,15 @@ fn left_out(
     let groups: Vec<Vec<_>> =
         others.iter().map(|p| p.movements.iter().map(|m| m.trial.clone()).collect()).collect();
     let dataset = Dataset::of_people(&groups, common, person.side)?;
-    let taught = Taught::by(&dataset, settings)?;
+    judged(person, &Taught::by(&dataset, settings)?, settings)
+}
+
+/// How well a person's movements are predicted.
+fn judged(
+    person: &Person,
+    taught: &Taught,
+    settings: &TrainSettings,
+) -> Result<PersonScore, InputError> {
     let trials: Vec<_> = person.movements.iter().map(|m| m.trial.clone()).collect();
     let own = Dataset::new(&trials, &person.body, person.side)?;
     let measurer = Measurer::new(&person.body, person.side)?;
@@ -240,7 +297,7 @@ fn left_out(
         .filter(|run| run.len() > 2)
         .map(|run| {
             let movement = &person.movements[run[0].trial];
-            score((&taught, &own), &measurer, (movement, run), settings)
+            score((taught, &own), &measurer, (movement, run), settings)
         })
         .collect::<Option<Vec<_>>>()
         .ok_or_else(super::super::methods::singular)?;
@@ -275,32 +332,33 @@ fn score(
         sum.map(|s| (s / run.len() as f64).sqrt())
     };
     let stature_m = own.coupling.stature_m();
-    let predicted = |predictor: Predictor| -> Features {
+    let predicted = |predictor: Predictor| -> Option<Features> {
         let walked = |law: &PostureLaw| {
             let (path, start) = walk_path(own, law, run);
             let rollout = roll_out(&own.coupling, law, &path, &start, None);
             rms(&mut rollout.q.iter().map(|q| measurer.measure(q.as_slice())))
         };
+        let of = |q: &DVector<f64>| measurer.measure(q.as_slice());
         match predictor {
-            Predictor::FullW => walked(&taught.full),
-            Predictor::DiagonalW => walked(&taught.diagonal),
-            Predictor::PlainIk => walked(&taught.plain),
-            Predictor::Regression => rms(&mut run.iter().map(|f| {
-                let usual = taught.usual.as_ref().map(|u| u.usual_posture(&f.hand, stature_m));
-                let q = usual.map_or_else(|| taught.postures.mean.clone(), |u| u.posture);
-                measurer.measure(q.as_slice())
-            })),
-            Predictor::NearestNeighbour => rms(&mut run
-                .iter()
-                .map(|f| measurer.measure(taught.nearest(&f.hand, stature_m).as_slice()))),
-            Predictor::MeanPosture => {
-                rms(&mut run.iter().map(|_| measurer.measure(taught.postures.mean.as_slice())))
+            Predictor::FullW => Some(walked(&taught.full)),
+            Predictor::DiagonalW => taught.diagonal.as_ref().map(walked),
+            Predictor::PlainIk => Some(walked(&taught.plain)),
+            Predictor::Regression => {
+                let usual = taught.usual.as_ref()?;
+                let at = |f: &&Frame| of(&usual.usual_posture(&f.hand, stature_m).posture);
+                Some(rms(&mut run.iter().map(at)))
             }
+            Predictor::NearestNeighbour => {
+                let at = |f: &&Frame| taught.nearest(&f.hand, stature_m).map(of);
+                let all: Option<Vec<Features>> = run.iter().map(at).collect();
+                Some(rms(&mut all?.into_iter()))
+            }
+            Predictor::MeanPosture => Some(rms(&mut run.iter().map(|_| of(&taught.postures.mean)))),
         }
     };
     let predictors = Predictor::ALL
         .iter()
-        .map(|&predictor| PredictorScore { predictor, rms: predicted(predictor) })
+        .filter_map(|&predictor| Some(PredictorScore { predictor, rms: predicted(predictor)? }))
         .collect();
     let stranger = |modes: Option<&Modes>| {
         let people = Modelled::of((&taught.full, &taught.postures), modes)?;
