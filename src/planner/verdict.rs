@@ -24,8 +24,9 @@ const DOUBTFUL: f64 = 0.1;
 const WORTH_TELLING: f64 = 0.3;
 /// Share of repetitions by which a path must have fewer at action level 3 to be told.
 const CLEARLY_FEWER: f64 = 0.1;
-/// Differences between bodies below which neither is told to be the worse, as shares of the figure.
-const SAME_FIGURE: f64 = 1e-9;
+/// Differences between bodies up to which neither is told to be the worse: of scores, and of shares of time.
+const SAME_SCORE: f64 = 0.05;
+const SAME_SHARE: f64 = 0.02;
 
 /// Whether a reported path may be called the best.
 pub(super) fn is_eligible(c: &CandidateResult) -> bool {
@@ -295,9 +296,10 @@ impl Known<'_> {
             for figure in Figure::ALL {
                 let of = |b: &BodyScores| figure.of(&b.scores[method]);
                 let own = of(self.body);
+                let same = if figure == Figure::High { SAME_SHARE } else { SAME_SCORE };
                 let worst = self.lead.bodies.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
                 if let Some(b) = worst
-                    && of(b) > own * (1.0 + SAME_FIGURE)
+                    && of(b) > own + same
                 {
                     let (body, value) = (b.body.clone(), of(b));
                     let verdict_value = own;

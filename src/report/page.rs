@@ -176,8 +176,9 @@ fn verdict(view: &View) -> Markup {
         @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(&words::setting::warning(warning))) } }
         @if view.lead.is_some() { p.note {
             "90 % band: nine out of ten repetitions lie within it. Standard error: how far the mean itself may be \
-             off because only " (rollouts(view)) " repetitions were simulated. A repetition is one draw of how this one \
-             person moves. Scores are means of ordinal scores: they rank, they do not measure. Action level 3 of RULA \
+             off because only " (rollouts(view)) " repetitions were simulated. A repetition is one draw of "
+            (if view.shows_people() { "somebody like the recorded people, and of how they move" } else { "how this one person moves" })
+            ". Scores are means of ordinal scores: they rank, they do not measure. Action level 3 of RULA \
              (score 5 or more) means: investigate and change soon. Peak: the score that is exceeded for 5 % of the time, \
              median over repetitions, interpolated within whole scores."
         } }
@@ -260,7 +261,11 @@ fn levels(view: &View, figures: &Figures) -> Markup {
 }
 
 fn paths(view: &View, figures: &Figures) -> Markup {
-    let caption = if view.lead.is_some() {
+    let caption = if view.has_modes() {
+        "The mean posture over all repetitions at start and goal, with the robot as a line through its \
+         joints. Single repetitions differ from it: people reach down in two ways, and where they do it lies \
+         between both. Obstacles are drawn as the boxes that bound them."
+    } else if view.lead.is_some() {
         "The mean posture over all repetitions at start and goal, with the robot as a line through its \
          joints. Single repetitions differ from it. Obstacles are drawn as the boxes that bound them."
     } else {

@@ -126,7 +126,8 @@ pub(super) fn section(view: &View) -> Markup {
         p {
             "The robot, the person as a mannequin, and the paths; in motion. The person shown is the \
              repetition nearest to the mean posture of all. Translucent ghosts are other repetitions, spread evenly \
-             over their ranking by RULA: how much this one person's posture varies."
+             over their ranking by RULA: how much "
+            (if view.shows_people() { "postures vary, from person to person and each time." } else { "this one person's posture varies." })
         }
         noscript { p.note { "The scene needs scripts. The figures below show start and goal without them." } }
         p.note.scripted id="scene-status" role="status" { "The scene is being made \u{2026}" }

@@ -3,7 +3,7 @@
 
 use crate::ergonomics::{PairedDifference, ScoringMethod};
 use crate::path::Family;
-use crate::planner::{BodyScores, CandidateResult, Decision, Evaluated, RunResult, Status};
+use crate::planner::{BodyScores, CandidateResult, Caveat, Decision, Evaluated, RunResult, Status};
 pub(super) use crate::words::paths::family as family_words;
 
 /// The paths of a result in the roles in which they are shown.
@@ -25,6 +25,17 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
+    /// Whether repetitions differ as several people do.
+    pub(super) fn shows_people(&self) -> bool {
+        matches!(self.result.verdict.caveat, Some(Caveat::RecordedPeople { .. }))
+    }
+
+    /// Whether the lead is followed in more than one way of reaching down.
+    pub(super) fn has_modes(&self) -> bool {
+        let strains = self.lead.iter().flat_map(|l| &l.bodies).filter_map(|b| b.strain.as_ref());
+        strains.into_iter().any(|s| !s.modes.is_empty())
+    }
+
     pub(super) fn of(result: &'a RunResult) -> Self {
         let reported: Vec<_> = result
             .candidates
