@@ -153,6 +153,19 @@ fn result(r: &crate::planner::RunResult) -> Explained {
     explained
 }
 
+/// What a model was learned from: each recording, or how many where they fill more than a line.
+fn recordings(all: &[(String, String)], people: usize) -> String {
+    const FEW: usize = 6;
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    match names.as_slice() {
+        [first, .., last] if names.len() > FEW => {
+            let whose = if people > 1 { format!(" of {people} people") } else { String::new() };
+            format!("{} recordings{whose}, {first} to {last}", names.len())
+        }
+        few => few.join(", "),
+    }
+}
+
 fn model(path: &Path) -> Result<Explained, InputError> {
     let (model, _) = load_model(&path.display().to_string(), Path::new(""))?;
     let p = &model.provenance;
@@ -167,10 +180,7 @@ fn model(path: &Path) -> Result<Explained, InputError> {
             model.size.stature_m,
             model.size.mass_kg
         ))
-        .saying(format!(
-            "from {}",
-            p.recordings.iter().map(|(n, _)| n.as_str()).collect::<Vec<_>>().join(", ")
-        ));
+        .saying(format!("from {}", recordings(&p.recordings, p.people)));
     let groups: Vec<String> = model
         .weight_by_group()
         .iter()
