@@ -98,6 +98,9 @@ fn the_model_of_recorded_people_is_of_the_recordings_that_it_names() {
         assert!(text.contains("CC BY-SA 3.0"), "{text}");
     }
     assert_eq!(made_from.recordings.len(), 61);
+    let check = ergopath().arg("check").arg(project("models/posture/people.json")).assert().code(0);
+    let said = String::from_utf8_lossy(&check.get_output().stdout).into_owned();
+    assert!(said.contains("from 61 recordings of 5 people, HDM_bd_depositFloorR_001"), "{said}");
     let Some(folder) = crate::skips::shared("recordings/hdm05") else { return };
     for (name, sha256) in &made_from.recordings {
         let (motion, person) = name.split_once(" of ").unwrap();
