@@ -669,6 +669,41 @@ mod tests {
     }
 
     #[test]
+    fn a_heel_rises_as_little_as_the_ankle_needs() {
+        let body = Body::load("male_p50", std::path::Path::new(".")).unwrap();
+        let legs = Legs::new(&body, Stance::Standing { shoe_m: 0.03 }).unwrap();
+        let leg = &legs.sides[0];
+        let most = leg.ranges[4].1;
+        let (mut flat, mut raised) = (0, 0);
+        for i in 0..400 {
+            // Forward, up and right of where the hip is upright, m.
+            let part = |step: i32| f64::from(i * step % 400) / 400.0;
+            let hip =
+                leg.hip + Vec3::new(0.5 * part(7) - 0.3, -0.6 * part(13), 0.2 * part(19) - 0.1);
+            let turn = Matrix3::identity();
+            let bent = leg.solve(&(hip - leg.hip), &turn);
+            let posture = bent.posture;
+            if posture.heel == 0.0 {
+                assert!(posture.ankle[0] <= most, "{i}: {posture:?}");
+                flat += 1;
+            } else if posture.heel < leg.ranges[6].1 {
+                assert!((posture.ankle[0] - most).abs() < 1e-8, "{i}: {posture:?}");
+                // Any less bends the ankle too far, told by the angles of the triangle.
+                for less in [0.0, 0.5 * posture.heel, 0.99 * posture.heel] {
+                    let foot = leg.foot * about_z(Turn::of(-less));
+                    let ankle = leg.ankle + leg.foot * leg.ball - foot * leg.ball;
+                    let r = foot.tr_mul(&(hip - ankle));
+                    let (a, s, d) = (leg.thigh_m, leg.shank_m, r.norm());
+                    let inner = ((d * d + s * s - a * a) / (2.0 * d * s)).clamp(-1.0, 1.0).acos();
+                    assert!(r.x.atan2(r.y.hypot(r.z)) + inner > most, "{i}: {less}");
+                }
+                raised += 1;
+            }
+        }
+        assert!(flat > 50 && raised > 50, "{flat} {raised}");
+    }
+
+    #[test]
     fn feet_of_who_sits_stand_on_floor_or_rest_or_hang() {
         let body = Body::load("female_p05", std::path::Path::new(".")).unwrap();
         let seated = |seat_height_m: f64, footrest_m: f64| {

@@ -158,14 +158,25 @@ pub fn validate(
             .remedy("somebody must be left out, and somebody else must teach"));
     }
     refuse_unlike(people)?;
+    one_by_one(people, told, |i, person| {
+        let others: Vec<&Person> =
+            people.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, p)| p).collect();
+        left_out(person, &others, common, settings)
+    })
+}
+
+/// The score of each person in turn; none where `told` answers not to go on.
+fn one_by_one(
+    people: &[Person],
+    told: &mut dyn FnMut(usize, usize) -> bool,
+    score: impl Fn(usize, &Person) -> Result<PersonScore, InputError>,
+) -> Result<Option<LeftOut>, InputError> {
     let mut scores = Vec::new();
     for (i, person) in people.iter().enumerate() {
         if !told(i, people.len()) {
             return Ok(None);
         }
-        let others: Vec<&Person> =
-            people.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, p)| p).collect();
-        scores.push(left_out(person, &others, common, settings)?);
+        scores.push(score(i, person)?);
     }
     Ok(Some(LeftOut { people: scores }))
 }
@@ -189,14 +200,7 @@ pub fn validate_model(
             .remedy("judge each side by a model of that side"));
     }
     let taught = Taught::saved(model);
-    let mut scores = Vec::new();
-    for (i, person) in people.iter().enumerate() {
-        if !told(i, people.len()) {
-            return Ok(None);
-        }
-        scores.push(judged(person, &taught, settings)?);
-    }
-    Ok(Some(LeftOut { people: scores }))
+    one_by_one(people, told, |_, person| judged(person, &taught, settings))
 }
 
 /// What the others teach.
