@@ -31,7 +31,9 @@ pub use generate::{BodyFiles, generate};
 pub use legs::{Bending, LegPosture, Legs, PelvisRow};
 pub use limits::{PostureLimits, SumLimit, SumRow};
 pub use mirror::{mirror_sign, mirrored_pose, other_side_joint};
-pub use pelvis::{PELVIS_JOINTS, column_of, column_unit, pelvis_coordinates, pelvis_in_rest};
+pub use pelvis::{
+    FEET_COLUMNS, PELVIS_JOINTS, column_of, column_unit, pelvis_coordinates, pelvis_in_rest,
+};
 pub use proportions::{BodySize, Sex};
 pub use reach::{reach_ball, reach_gap};
 pub use shape::{Mannequin, MannequinPiece, SegmentKind, WideSection};

@@ -52,6 +52,7 @@ mod summary;
 mod timing;
 mod tried;
 mod verdict;
+mod walking;
 
 pub use cell_findings::CellFinding;
 pub use cell_look::{

@@ -35,6 +35,7 @@ mod primitive;
 mod process;
 mod rollout;
 mod simulated;
+mod standing;
 mod start;
 mod step;
 
@@ -61,5 +62,6 @@ pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};
 pub use rollout::{Rollout, roll_out};
 pub use simulated::{natural_grip, simulated_operator, simulated_person, simulated_whole_operator};
+pub use standing::{Feet, Footing, STEP_S, StandingDraw, StandingPlace, Stepper};
 pub use start::{Start, StartRule, start_postures};
 pub use step::{Allowed, Bounds, ReachExceeded, StepSolver};

@@ -44,6 +44,7 @@ mod simulated_movements;
 mod size_experiment;
 mod source;
 mod spread;
+mod standing;
 mod strangers;
 mod targets;
 pub mod toy5r;

@@ -1,7 +1,9 @@
 //! What `validate` says.
 
 use crate::math::stats::{mean, quantile};
-use crate::training::people::{FEATURES, LeftOut, MovementScore, Predictor};
+use crate::training::people::{
+    FEATURES, LeftOut, MovementScore, PersonScore, Predictor, StandingScore,
+};
 use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
@@ -64,9 +66,7 @@ fn angle_error(movements: &[&MovementScore], predictor: Predictor) -> f64 {
 pub(super) fn as_json(found: &LeftOut, judged: Option<&str>) -> Value {
     let all = movements(found);
     let by_person = |predictor: Predictor| -> Vec<f64> {
-        let of = |p: &crate::training::people::PersonScore| {
-            angle_error(&p.movements.iter().collect::<Vec<_>>(), predictor)
-        };
+        let of = |p: &PersonScore| angle_error(&p.movements.iter().collect::<Vec<_>>(), predictor);
         found.people.iter().map(of).collect()
     };
     let error = |predictor: Predictor| json!({"median": quantile(&by_person(predictor), 0.5), "people": by_person(predictor)});
@@ -85,8 +85,20 @@ pub(super) fn as_json(found: &LeftOut, judged: Option<&str>) -> Value {
         "energy_score_deg": mean(&all.iter().map(|m| m.bands.energy_deg).collect::<Vec<_>>()),
         "energy_score_one_law_deg": mean(&all.iter().map(|m| m.one_law.energy_deg).collect::<Vec<_>>()),
         "ended_share": mean(&all.iter().map(|m| m.bands.ended_share).collect::<Vec<_>>()),
+        "standing": standing(found).map(|(rms_m, inside_90)| json!({"rms_m": rms_m, "inside90": inside_90})),
         "baselines": baselines,
     })
+}
+
+/// How well the standing places of the people were predicted, all movements alike; none where no model says.
+fn standing(found: &LeftOut) -> Option<([f64; 2], f64)> {
+    let of = |p: &PersonScore| Some((p.movements.len() as f64, p.standing.clone()?));
+    let all: Vec<(f64, StandingScore)> = found.people.iter().filter_map(of).collect();
+    let count = Some(all.iter().map(|(n, _)| n).sum::<f64>()).filter(|n| *n > 0.0)?;
+    let over = |pick: &dyn Fn(&StandingScore) -> f64| {
+        all.iter().map(|(n, s)| n * pick(s)).sum::<f64>() / count
+    };
+    Some(([0, 1].map(|i| over(&|s| s.rms_m[i].powi(2)).sqrt()), over(&|s| s.inside_90)))
 }
 
 pub(super) fn print_text(found: &LeftOut, judged: Option<&str>) {
@@ -154,6 +166,15 @@ pub(super) fn print_text(found: &LeftOut, judged: Option<&str>) {
             all.len(),
             energy(|m| m.bands.energy_deg),
             energy(|m| m.one_law.energy_deg)
+        );
+    }
+    if let Some((rms_m, inside)) = standing(found) {
+        say!(
+            "\nwhere they stood at the far end of a movement: {:.0} cm ahead and {:.0} cm to the side from where the \
+             others would, rms; {} within what the others say of 90 %",
+            100.0 * rms_m[0],
+            100.0 * rms_m[1],
+            percent(inside)
         );
     }
     say!(

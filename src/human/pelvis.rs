@@ -79,6 +79,10 @@ pub(super) fn on_moving_pelvis(model: &Model, leg_m: f64) -> Result<Model, Model
     Model::new(model.name.clone(), links, joints, model.warnings.clone())
 }
 
+/// Columns of where the feet of somebody who steps are, seen from the scenario's standing place: ahead, to the
+/// right, and turned to the left. The pelvis is told from the feet.
+pub const FEET_COLUMNS: [&str; 3] = ["feet_ahead_m", "feet_right_m", "feet_turn_rad"];
+
 /// Name of a coordinate as a column of a file: displacements in m, angles in rad.
 pub fn column_of(joint: &str) -> String {
     let unit = if PELVIS_JOINTS[..3].contains(&joint) { "m" } else { "rad" };

@@ -170,9 +170,9 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
     let mut hands = Vec::new();
     for (person, body) in people.iter().zip(&scenario.worker.bodies) {
         let w = &scenario.worker;
-        let to_pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance).inverse();
         for (end, tcp) in ends {
-            let grip = (to_pelvis * tcp * scenario.grip).translation.vector;
+            let to_rest = person.rest_for(tcp, &nominal).inverse();
+            let grip = (to_rest * tcp * scenario.grip).translation.vector;
             hands.push(HandReach {
                 body: person.name.clone(),
                 end,

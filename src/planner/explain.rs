@@ -73,7 +73,11 @@ fn posture_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
     let mut all = vec![
         input(ScoreInput::ArmAndTrunk(worker.hands), Origin::Predicted, None),
         input(ScoreInput::Seated(is_seated), Origin::Assumed, one_leg),
-        input(ScoreInput::Legs(moves), legs, None),
+        input(
+            if worker.may_step { ScoreInput::LegsThatStep } else { ScoreInput::Legs(moves) },
+            legs,
+            None,
+        ),
         input(ScoreInput::ArmSupported(worker.arm_supported), given(worker.arm_supported), None),
     ];
     all.splice(1..1, others.map(|r| input(ScoreInput::Neck(worker.neck), neck, by_neck(r))));
@@ -122,6 +126,7 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
         worker: WorkerFacts {
             hands: w.hands,
             pelvis_moves: w.pelvis != Pelvis::Rests,
+            may_step: w.may_step,
             stance: w.stance,
             at_m: w.at_m,
             facing: w.facing,
@@ -185,6 +190,7 @@ pub(super) fn not_modelled(scenario: &Scenario) -> Vec<NotModelled> {
     let is_unknown = w.other_arm == OtherArm::Unknown && w.hands != Hands::Both;
     let stands = match w.pelvis {
         Pelvis::Rests => NotModelled::Legs,
+        Pelvis::Turns | Pelvis::Moves if w.may_step => NotModelled::HowToStep,
         Pelvis::Turns | Pelvis::Moves => NotModelled::Steps,
     };
     let all = [

@@ -10,7 +10,7 @@ use super::scene::{
 };
 use crate::math::{Pose, Vec3};
 use crate::robot::{Obstacle, Robot, capsules, stick};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Variant};
 use crate::survey::Lens;
 use nalgebra::DVector;
 
@@ -77,8 +77,8 @@ pub(super) fn film(
     });
     let people = environment.people.iter().zip(repetitions).zip(&result.bodies).map(
         |((person, repetitions), b)| {
-            let pelvis = person.pelvis(&prepared.variant);
-            Filming { person, pelvis, samples: &samples, lens: environment.lens }
+            let variant = &prepared.variant;
+            Filming { person, variant, samples: &samples, lens: environment.lens }
                 .people(repetitions, &b.rula().by_rollout)
         },
     );
@@ -109,7 +109,7 @@ fn filmed_robot(robot: &Robot, postures: &[&[f64]]) -> SceneRobot {
 /// One body along one path.
 struct Filming<'a> {
     person: &'a Person<'a>,
-    pelvis: Pose,
+    variant: &'a Variant,
     samples: &'a [usize],
     lens: &'a Lens,
 }
@@ -122,7 +122,8 @@ impl Filming<'_> {
         let mannequin = &self.person.mannequin;
         let place = |repetition: &Repetition, k: usize| {
             let head = repetition.angles[k].head(self.lens.neck);
-            mannequin.place(&self.pelvis, repetition.rollout.q[k].as_slice(), head)
+            let rest = self.person.rest_at(self.variant, repetition, k);
+            mannequin.place(&rest, repetition.rollout.q[k].as_slice(), head)
         };
         let mut walkers = shown.iter().map(|&rollout| {
             let repetition = &repetitions.all[rollout];

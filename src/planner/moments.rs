@@ -116,7 +116,8 @@ impl Place<'_> {
         let angles = &repetition.angles[k];
         let Sheet { rula, reba } = angles.score(self.lens);
         let (t, arm) = (angles.trunk_neck(self.lens.neck), &angles.arm);
-        let (rest, q) = (self.person.pelvis(self.variant), &repetition.rollout.q[k]);
+        let (rest, q) =
+            (self.person.rest_at(self.variant, repetition, k), &repetition.rollout.q[k]);
         let head = angles.head(self.lens.neck);
         let named = [
             ("trunk flexion", t.trunk_flex_deg),

@@ -80,6 +80,9 @@ impl Placed {
     }
 }
 
+/// The rest frame of a body in the world at a step of a repetition.
+pub(super) type RestAt<'a> = dyn Fn(&Repetition, usize) -> Pose + Sync + 'a;
+
 /// An arm at the steps of a path.
 pub(super) struct ArmAlong<'r> {
     parts: Vec<ArmPart<'r>>,
@@ -114,14 +117,14 @@ impl<'r> ArmAlong<'r> {
         &self,
         repetitions: &Repetitions,
         numbers: &Range<usize>,
-        (envelope, pelvis): (&Envelope, &Pose),
+        (envelope, rest): (&Envelope, &RestAt),
     ) -> Vec<Option<Closest>> {
         let count =
             self.care.repetitions().saturating_sub(numbers.start).min(repetitions.all.len());
         repetitions.all[..count]
             .par_iter()
             .map_with(Scratch::default(), |scratch, repetition| {
-                self.along(repetition, (envelope, pelvis), scratch)
+                self.along(repetition, (envelope, rest), scratch)
             })
             .collect()
     }
@@ -129,13 +132,14 @@ impl<'r> ArmAlong<'r> {
     fn along(
         &self,
         repetition: &Repetition,
-        body: (&Envelope, &Pose),
+        (envelope, rest): (&Envelope, &RestAt),
         scratch: &mut Scratch,
     ) -> Option<Closest> {
         let end = repetition.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
         let mut best: Option<Closest> = None;
         let mut look = |k: usize, best: &mut Option<Closest>| {
             if k < end && k < repetition.rollout.q.len() {
+                let body = (envelope, &rest(repetition, k));
                 self.at(k, repetition.rollout.q[k].as_slice(), body, scratch, best);
             }
         };

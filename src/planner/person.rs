@@ -3,16 +3,17 @@
 use super::near::{ArmAlong, Closest};
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{PosePicture, RolloutTable};
+use super::walking::{Walk, Walked};
 use crate::files::InputError;
 use crate::human::{
-    Body, BodyPart, Envelope, EnvelopeScratch, Hands, Head, Mannequin, column_of, column_unit,
-    mirror_sign, mirrored_pose,
+    Body, BodyPart, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin, column_of,
+    column_unit, mirror_sign, mirrored_pose,
 };
 use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
-    Behaviour, Certain, Coupling, Grips, Hold, Mixture, Modelled, PostureLaw, Start, StartRule,
-    low_place, start_postures,
+    Behaviour, Certain, Coupling, Feet, Footing, Grips, Hold, Mixture, Modelled, PostureLaw, Start,
+    StartRule, low_place, start_postures,
 };
 use crate::robot::{Robot, stick};
 use crate::scenario::{Scenario, Variant};
@@ -36,8 +37,8 @@ pub(super) fn modelled(scenario: &Scenario) -> Result<Modelled<'_>, InputError> 
 /// One body in the scenario, with its way of moving.
 pub(super) struct Person<'a> {
     pub name: String,
-    scenario: &'a Scenario,
-    coupling: Coupling,
+    pub(super) scenario: &'a Scenario,
+    pub(super) coupling: Coupling,
     /// Signs of the coupling's coordinates in the mirror image, where the model is of the other hand.
     mirror: Option<Vec<f64>>,
     body: &'a Body,
@@ -102,16 +103,42 @@ impl<'a> Person<'a> {
         }
     }
 
-    /// Start postures with the TCP somewhere.
+    /// Feet of the model's side as the worker's.
+    fn on_own_side(&self, footing: Footing) -> Footing {
+        if self.mirror.is_some() { footing.mirrored() } else { footing }
+    }
+
+    /// The rest frame in the world at a sample of a repetition: where the feet are then.
+    pub(super) fn rest_at(&self, variant: &Variant, repetition: &Repetition, k: usize) -> Pose {
+        let given = self.pelvis(variant);
+        if repetition.feet.is_none() { given } else { given * repetition.footing(k).pose() }
+    }
+
+    /// The same for the mean person with the TCP somewhere, seen from the given rest frame.
+    fn footing_for(&self, tcp: &Pose, to_rest: &Pose, variant: &Variant) -> Footing {
+        let asked = |tcp: &Pose| self.asked(&self.grips(tcp, to_rest, variant));
+        self.stepper().map_or_else(Footing::default, |stepper| {
+            stepper.stands(&asked(&variant.start), &asked(tcp), self.coupling.hold())
+        })
+    }
+
+    /// The rest frame of the mean person with the TCP somewhere, in the world.
+    pub(super) fn rest_for(&self, tcp: &Pose, variant: &Variant) -> Pose {
+        let given = self.pelvis(variant);
+        let footing = self.footing_for(tcp, &given.inverse(), variant);
+        given * self.on_own_side(footing).pose()
+    }
+
+    /// Start postures with the TCP somewhere, and the rest frame in the world that they are told in.
     fn starts(
         &self,
         tcp: &Pose,
         variant: &Variant,
         rule: &StartRule,
         count: usize,
-    ) -> Vec<Option<DVector<f64>>> {
-        let to_rest = self.pelvis(variant).inverse();
-        let grips = self.asked(&self.grips(tcp, &to_rest, variant));
+    ) -> (Pose, Vec<Option<DVector<f64>>>) {
+        let rest = self.rest_for(tcp, variant);
+        let grips = self.asked(&self.grips(tcp, &rest.inverse(), variant));
         let postures = self.behaviour.postures_at(&self.coupling, &grips);
         let starts = start_postures(&self.coupling, &postures, rule, grips, (0, 0), 0..count);
         let own = |start: Start| {
@@ -120,7 +147,7 @@ impl<'a> Person<'a> {
                 q
             })
         };
-        starts.into_iter().map(own).collect()
+        (rest, starts.into_iter().map(own).collect())
     }
 
     /// Where each repetition comes nearest to the arm; `numbers`: theirs.
@@ -130,14 +157,16 @@ impl<'a> Person<'a> {
         numbers: &Range<usize>,
         (arm, variant): (&ArmAlong, &Variant),
     ) -> Vec<Option<Closest>> {
-        arm.closest(repetitions, numbers, (&self.envelope, &self.pelvis(variant)))
+        let rest = |repetition: &Repetition, k: usize| self.rest_at(variant, repetition, k);
+        arm.closest(repetitions, numbers, (&self.envelope, &rest))
     }
 
     /// Ends of the capsules' axes (world, m) with the mean posture moved on to a TCP pose; none where the
     /// hand does not get there.
     pub(super) fn placed_at(&self, tcp: &Pose, variant: &Variant) -> Option<Vec<[Vec3; 2]>> {
-        let q = self.starts(tcp, variant, &StartRule::Mean, 1).pop()??;
-        Some(self.placed(&self.pelvis(variant), q.as_slice()))
+        let (rest, mut postures) = self.starts(tcp, variant, &StartRule::Mean, 1);
+        let q = postures.pop()??;
+        Some(self.placed(&rest, q.as_slice()))
     }
 
     /// The same with all joints of the coupled chain at zero.
@@ -198,26 +227,35 @@ impl<'a> Person<'a> {
             path.poses.iter().map(|tcp| self.grips(tcp, &to_rest, variant)).collect();
         let asked: Vec<Grips> = hands.iter().map(|g| self.asked(g)).collect();
         let mirrored = self.mirrored_rule(rule);
-        let rule = mirrored.as_ref().unwrap_or(rule);
-        let first = numbers.start;
         let is_sure = numbers.len() == 1 && block == (0, 0);
         let heads = numbers.clone().map(|r| self.head(block, r, is_sure)).collect();
         let mixture = self.mixture(path, behaviour);
-        let mixed = mixture.as_ref();
-        let starts = behaviour.starts(&self.coupling, &asked[0], mixed, rule, block, numbers);
-        let mut starts: Vec<Start> =
-            starts.into_iter().map(|s| s.among(behaviour.postures())).collect();
-        let at = (&path.time_s[..], &asked[..]);
-        let mut repeated = behaviour.repeat(&self.coupling, at, &starts, block, first);
+        let walk = Walk {
+            person: self,
+            behaviour,
+            rule: mirrored.as_ref().unwrap_or(rule),
+            time_s: &path.time_s,
+            grips: &asked,
+            mixture: mixture.as_ref(),
+            block,
+        };
+        let Walked { mut starts, mut repeated, feet, would_step } = walk.repeat(numbers, is_sure);
         for q in repeated.rollouts.iter_mut().flat_map(|r| &mut r.q) {
             self.own(q);
         }
         for q in starts.iter_mut().filter_map(|s| s.q.as_mut()) {
             self.own(q);
         }
+        let on_own_side = |feet: Option<Feet>| {
+            feet.map(|feet| Feet {
+                at: feet.at.into_iter().map(|f| self.on_own_side(f)).collect(),
+                ..feet
+            })
+        };
+        let feet = feet.into_iter().map(on_own_side).collect();
         let led: Vec<Pose> = hands.iter().map(|g| g.first).collect();
-        let measured =
-            Repetitions::measured(&self.surveyor, repeated, (starts, heads), (&path.time_s, &led));
+        let walked = Walked { starts, repeated, feet, would_step };
+        let measured = Repetitions::measured(&self.surveyor, walked, heads, (&path.time_s, &led));
         Repetitions { mixture, ..measured }
     }
 
@@ -230,12 +268,11 @@ impl<'a> Person<'a> {
         }
         let given = self.scenario.nominal();
         let to_rest = self.pelvis(&given).inverse();
-        let hands: Vec<Pose> = path
-            .poses
-            .iter()
-            .map(|tcp| self.asked(&self.grips(tcp, &to_rest, &given)).first)
-            .collect();
-        behaviour.mixture(low_place(&hands, self.coupling.stature_m()))
+        let asked = |tcp| self.asked(&self.grips(tcp, &to_rest, &given));
+        let grips: Vec<Grips> = path.poses.iter().map(asked).collect();
+        let seen = self.seen_on_average(&path.time_s, &grips);
+        let hands = seen.iter().map(|g| &g.first);
+        behaviour.mixture(low_place(hands, self.coupling.stature_m()))
     }
 
     /// A given start posture as the model's side.
@@ -260,7 +297,7 @@ impl<'a> Person<'a> {
 
     /// How many of some start postures get the hand to a TCP pose.
     pub(super) fn reaching(&self, tcp: &Pose, variant: &Variant, tries: usize) -> usize {
-        self.starts(tcp, variant, &StartRule::Sampled, tries).iter().flatten().count()
+        self.starts(tcp, variant, &StartRule::Sampled, tries).1.iter().flatten().count()
     }
 
     /// The repetitions as a table; each ends where its reach is exceeded.
@@ -273,20 +310,24 @@ impl<'a> Person<'a> {
     ) -> RolloutTable {
         let units: Vec<f64> = self.surveyor.joints().map(|j| column_unit(j, self.body)).collect();
         let neck = self.scenario.worker.neck;
+        let steps = self.stepper().is_some();
+        let feet = FEET_COLUMNS.into_iter().filter(|_| steps).map(str::to_owned);
         let reached = |w: &Repetition| -> Vec<Vec<f64>> {
             let end = w.rollout.reach_exceeded_at.unwrap_or(w.rollout.q.len());
-            let frames = w.rollout.q[..end].iter().zip(&w.angles);
+            let frames = w.rollout.q[..end].iter().zip(&w.angles).enumerate();
             frames
-                .map(|(q, a)| {
+                .map(|(k, (q, a))| {
                     let whole = self.surveyor.whole(q, a.head(neck));
-                    whole.iter().zip(&units).map(|(v, unit)| v * unit).collect()
+                    let Footing { ahead_m, right_m, turn } = w.footing(k);
+                    let feet = [ahead_m, right_m, turn].into_iter().filter(|_| steps);
+                    whole.iter().zip(&units).map(|(v, unit)| v * unit).chain(feet).collect()
                 })
                 .collect()
         };
         RolloutTable {
             rank,
             other_body: (!is_first).then(|| self.name.clone()),
-            columns: self.surveyor.joints().map(column_of).collect(),
+            columns: self.surveyor.joints().map(column_of).chain(feet).collect(),
             time_s: path.time_s.clone(),
             q: repetitions.all.iter().map(reached).collect(),
         }
@@ -300,10 +341,10 @@ impl<'a> Person<'a> {
         variant: &Variant,
         (robot, robot_q): (&Robot, Option<&[f64]>),
     ) -> PosePicture {
-        let q = self.starts(tcp, variant, &StartRule::Mean, 1).pop().flatten();
-        let bones = q.map_or_else(Vec::new, |q| {
+        let (rest, mut postures) = self.starts(tcp, variant, &StartRule::Mean, 1);
+        let bones = postures.pop().flatten().map_or_else(Vec::new, |q| {
             let head = self.mean_head(&q);
-            self.surveyor.bones_at(&self.pelvis(variant), &q, head)
+            self.surveyor.bones_at(&rest, &q, head)
         });
         PosePicture {
             body: self.name.clone(),
@@ -329,23 +370,22 @@ impl<'a> Person<'a> {
         moments: usize,
     ) -> Vec<PosePicture> {
         let last = path.time_s.len() - 1;
-        let pelvis = self.pelvis(variant);
         (0..moments)
             .map(|i| {
                 let k = i * last / (moments - 1).max(1);
-                let reached: Vec<&DVector<f64>> = repetitions
+                let reached: Vec<&Repetition> = repetitions
                     .all
                     .iter()
                     .filter(|w| w.rollout.reach_exceeded_at.is_none_or(|at| at > k))
-                    .map(|w| &w.rollout.q[k])
                     .collect();
                 let bones = match reached.len() {
                     0 => Vec::new(),
                     n => {
-                        let sum =
-                            reached.iter().fold(DVector::zeros(reached[0].len()), |s, q| s + *q);
-                        let mean = sum / n as f64;
-                        self.surveyor.bones_at(&pelvis, &mean, self.mean_head(&mean))
+                        let zero = DVector::zeros(reached[0].rollout.q[k].len());
+                        let mean = reached.iter().fold(zero, |s, w| s + &w.rollout.q[k]) / n as f64;
+                        let feet = reached.iter().map(|w| w.footing(k));
+                        let rest = self.pelvis(variant) * Footing::mean(feet).pose();
+                        self.surveyor.bones_at(&rest, &mean, self.mean_head(&mean))
                     }
                 };
                 let robot = robot_q.get(k).map_or_else(Vec::new, |q| {

@@ -74,7 +74,7 @@ pub(super) fn recommend(
         Tally {
             figures: Figures { near_m, ..Figures::of(&repetitions, &lens) },
             l5s1_peak_nm: mean(&repetitions.l5s1_peaks_nm()),
-            stretched_share: repetitions.stretched_share(environment.scenario.worker.pelvis),
+            stretched_share: repetitions.stretched_share(&environment.scenario.worker),
         }
     };
     let margin = &environment.scenario.person_margin;

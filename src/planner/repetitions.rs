@@ -1,7 +1,8 @@
 //! Repetitions of one body along one path, with the angles of every frame.
 
+use super::walking::Walked;
 use crate::math::Pose;
-use crate::posture::{Mixture, Repeated, Rollout, Start};
+use crate::posture::{Feet, Footing, Mixture, Rollout, Start};
 use crate::survey::{HeadDraw, PostureAngles, Surveyor};
 use rayon::prelude::*;
 
@@ -15,7 +16,22 @@ pub(super) struct Repetition {
     pub rollout: Rollout,
     pub angles: Vec<PostureAngles>,
     pub start: Start,
+    /// None where the feet stay where the scenario has them.
+    pub feet: Option<Feet>,
+    /// Feet that must stay are where this person would not stand all the time.
+    pub would_step: bool,
 }
+
+impl Repetition {
+    /// Where the feet are at a sample.
+    pub(super) fn footing(&self, k: usize) -> Footing {
+        let at = self.feet.as_ref().and_then(|feet| feet.at.get(k).or(feet.at.last()));
+        at.copied().unwrap_or_default()
+    }
+}
+
+/// From where a repetition starts, where its feet are, and whether they would be elsewhere.
+type Stood = (Start, (Option<Feet>, bool));
 
 /// One body measured along one path.
 pub(super) struct Repetitions {
@@ -34,15 +50,24 @@ impl Repetitions {
     /// poses of the leading grip.
     pub(super) fn measured(
         surveyor: &Surveyor,
-        repeated: Repeated,
-        (starts, heads): (Vec<Start>, Vec<HeadDraw>),
+        Walked { starts, repeated, feet, would_step }: Walked,
+        heads: Vec<HeadDraw>,
         (time_s, hand): (&[f64], &[Pose]),
     ) -> Self {
-        let one = |((rollout, start), head): ((Rollout, Start), HeadDraw)| {
-            let angles = rollout.q.iter().map(|q| surveyor.measure(q, &head)).collect();
-            Repetition { rollout, angles, start }
+        let one = |((rollout, head), (start, (feet, would_step))): ((Rollout, HeadDraw), Stood)| {
+            let mut angles: Vec<PostureAngles> =
+                rollout.q.iter().map(|q| surveyor.measure(q, &head)).collect();
+            // Nobody balances over feet that are on their way.
+            let since = time_s.iter().map(|t| t - time_s[0]);
+            for (angles, t) in angles.iter_mut().zip(since) {
+                if feet.as_ref().is_some_and(|f| f.steps_at(t)) {
+                    angles.margin_m = None;
+                }
+            }
+            Repetition { rollout, angles, start, feet, would_step }
         };
-        let all = repeated.rollouts.into_par_iter().zip(starts).zip(heads).map(one).collect();
+        let stood: Vec<Stood> = starts.into_iter().zip(feet.into_iter().zip(would_step)).collect();
+        let all = repeated.rollouts.into_par_iter().zip(heads).zip(stood).map(one).collect();
         let intervals = time_s.len().saturating_sub(1).max(1) as f64;
         let dt = (time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0)) / intervals;
         let extrapolation_share = repeated.extrapolation_share;

@@ -371,11 +371,32 @@ pub struct BodyStrain {
     pub l5s1_mean_nm: Spread,
     /// The revised NIOSH lifting equation; none but for both hands.
     pub niosh: Option<LiftAssessment>,
-    /// Share of repetitions that reach only just, or not at all: the hand does not follow, or the centre of
-    /// mass comes to the edge of the feet. People step there.
+    /// Share of repetitions that reach only just, or not at all: the hand does not follow, the centre of mass
+    /// comes to the edge of the feet, or the hand goes where recorded people would not have it from their feet.
+    /// People step there. None where the feet may be set anew, and of a pelvis that does not move.
     pub stretched_share: Option<f64>,
+    /// How the feet are set anew; none where they must stay.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steps: Option<StepsTaken>,
     /// The body against the obstacles; none where there are none.
     pub furniture: Option<FurnitureClearance>,
+}
+
+/// How the feet are set anew, over the repetitions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StepsTaken {
+    /// Share of repetitions that step during the movement.
+    pub share: f64,
+    /// Share that do not even start where the scenario has the feet.
+    pub elsewhere_share: f64,
+    /// Number of steps.
+    pub number: Spread,
+    /// How far the feet go in all steps together, m.
+    pub way_m: Spread,
+    /// How many recorded movements tell where people stand.
+    pub movements: usize,
+    /// Of how many people.
+    pub people: usize,
 }
 
 /// How often people go about it in one way.
@@ -642,6 +663,8 @@ pub enum ScoreInput {
     ArmAndTrunk(Hands),
     /// Pelvis and legs: whether they are predicted.
     Legs(bool),
+    /// Pelvis and legs, on feet that may be set elsewhere.
+    LegsThatStep,
     /// The other arm.
     OtherArm(OtherArm),
     /// How the head is held.
@@ -734,6 +757,9 @@ pub struct WorkerFacts {
     pub hands: Hands,
     /// Whether the pelvis moves as predicted.
     pub pelvis_moves: bool,
+    /// Whether the feet may be set elsewhere.
+    #[serde(default)]
+    pub may_step: bool,
     /// Standing or seated.
     pub stance: Stance,
     /// Floor point between the feet, below the upright pelvis, world, m.
@@ -766,6 +792,8 @@ pub enum NotModelled {
     Legs,
     /// Steps.
     Steps,
+    /// How a step is made.
+    HowToStep,
     /// Dynamics of body and robot.
     Forces,
     /// Contact: distances are between capsules.

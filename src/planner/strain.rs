@@ -4,16 +4,16 @@
 use super::cell_findings::SOFT_M;
 use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
-use super::result::{BodyStrain, FurnitureClearance, ModeShare, Spread};
+use super::result::{BodyStrain, FurnitureClearance, ModeShare, Spread, StepsTaken};
 use crate::ergonomics::{
     LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftTask, assess_lift,
     lift_from_path,
 };
 use crate::human::{Hands, Pelvis, Stance};
-use crate::math::Vec3;
 use crate::math::stats::{mean, quantile};
-use crate::posture::Mode;
-use crate::scenario::{Scenario, Variant};
+use crate::math::{Pose, Vec3};
+use crate::posture::{Feet, Footing, Mode};
+use crate::scenario::{Scenario, Variant, Worker};
 use crate::survey::{Lens, PostureAngles};
 use crate::trajectory::TimedPath;
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ const BENT_DEG: f64 = 60.0;
 const SELDOM_PER_MIN: f64 = 0.2;
 /// Distance of the centre of mass from the edge of the feet at which a person is taken to stand at the edge, m;
 /// the step solver holds it 1 cm inside.
-const AT_EDGE_M: f64 = 0.015;
+pub(super) const AT_EDGE_M: f64 = 0.015;
 /// Moments of a movement at which the body is held against the obstacles.
 const MOMENTS: usize = 32;
 
@@ -65,8 +65,9 @@ impl Repetitions {
             balance_margin_m: moves.then(|| spread(&margins).negative()),
             l5s1_peak_nm: spread(&self.l5s1_peaks_nm()),
             l5s1_mean_nm: spread(&moments),
-            niosh: lift(scenario, path, variant),
-            stretched_share: self.stretched_share(scenario.worker.pelvis),
+            steps: self.steps(person),
+            niosh: self.lift(scenario, path, (variant, person)),
+            stretched_share: self.stretched_share(&scenario.worker),
             furniture: self.furniture(scenario, (path, variant), person),
         })
     }
@@ -91,14 +92,54 @@ impl Repetitions {
         modes.all.iter().enumerate().map(of).collect()
     }
 
-    /// Share of repetitions that reach only just or not at all; none on a pelvis that does not move.
-    pub(super) fn stretched_share(&self, pelvis: Pelvis) -> Option<f64> {
+    /// Share of repetitions that reach only just or not at all; none of feet that step, and on a pelvis that does
+    /// not move.
+    pub(super) fn stretched_share(&self, worker: &Worker) -> Option<f64> {
         let is_stretched = |r: &Repetition| {
             let at_edge = |a: &PostureAngles| a.margin_m.is_some_and(|m| m < AT_EDGE_M);
-            r.rollout.reach_exceeded_at.is_some() || reached(r).iter().any(at_edge)
+            r.would_step || r.rollout.reach_exceeded_at.is_some() || reached(r).iter().any(at_edge)
         };
         let count = self.all.iter().filter(|r| is_stretched(r)).count() as f64;
-        (pelvis == Pelvis::Moves && !self.all.is_empty()).then(|| count / self.all.len() as f64)
+        let must_stay = worker.pelvis == Pelvis::Moves && !worker.may_step;
+        (must_stay && !self.all.is_empty()).then(|| count / self.all.len() as f64)
+    }
+
+    /// How often the feet are set anew; none where they must stay.
+    fn steps(&self, person: &Person) -> Option<StepsTaken> {
+        let stepper = person.stepper()?;
+        let feet = || self.all.iter().map(|r| r.feet.as_ref());
+        let share = |of: &dyn Fn(&Feet) -> bool| {
+            feet().flatten().filter(|f| of(f)).count() as f64 / self.all.len() as f64
+        };
+        let each =
+            |of: &dyn Fn(&Feet) -> f64| -> Vec<f64> { feet().map(|f| f.map_or(0.0, of)).collect() };
+        let (movements, people) = stepper.learned_from();
+        Some(StepsTaken {
+            share: share(&|f| !f.steps_s.is_empty()),
+            elsewhere_share: share(&Feet::start_elsewhere),
+            number: spread(&each(&|f| f.steps_s.len() as f64)),
+            way_m: spread(&each(&|f| f.way_m)),
+            movements,
+            people,
+        })
+    }
+
+    /// The lifting equation for both hands: the prescribed path of the point midway between them, and the
+    /// feet, where they are on average.
+    fn lift(
+        &self,
+        scenario: &Scenario,
+        path: &TimedPath,
+        (variant, person): (&Variant, &Person),
+    ) -> Option<LiftAssessment> {
+        let given = person.pelvis(variant);
+        // As if the feet had stayed and the hands had come to them.
+        let seen = |(k, tcp): (usize, &Pose)| {
+            let feet = Footing::mean(self.all.iter().map(|r| r.footing(k))).pose();
+            given * feet.inverse() * given.inverse() * tcp
+        };
+        let seen = path.poses.iter().enumerate().map(seen).collect();
+        lift(scenario, &TimedPath { poses: seen, ..path.clone() }, variant)
     }
 
     /// Largest moment about L5/S1 of each repetition that begins, N m.
@@ -122,7 +163,7 @@ impl Repetitions {
             moments.dedup();
             let mut best: Option<Touch> = None;
             for k in moments {
-                let ends = person.placed(&person.pelvis(variant), r.rollout.q[k].as_slice());
+                let ends = person.placed(&person.rest_at(variant, r, k), r.rollout.q[k].as_slice());
                 for (part, [a, b]) in parts.iter().zip(&ends).filter(|(p, _)| !p.is_coupled) {
                     for (name, obstacle) in &scenario.obstacles {
                         let distance_m = obstacle.distance_to_capsule(a, b, part.radius_m);
@@ -183,7 +224,7 @@ impl Spread {
 fn lift(scenario: &Scenario, path: &TimedPath, variant: &Variant) -> Option<LiftAssessment> {
     let (worker, task) = (&scenario.worker, &scenario.task);
     let second = scenario.second_hand.filter(|_| worker.hands == Hands::Both)?;
-    let middle = |tcp: &crate::math::Pose| {
+    let middle = |tcp: &Pose| {
         let first = tcp * variant.grip;
         0.5 * (first.translation.vector + (first * second.between).translation.vector)
             - Vec3::z() * variant.floor_m

@@ -5,6 +5,7 @@ use super::law::PostureLaw;
 use super::model::{PostureDistribution, PostureModel};
 use super::modes::LowMovement;
 use super::noise::Clock;
+use super::standing::StandingPlace;
 use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -88,6 +89,9 @@ fn parse(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> 
 fn check(model: &PostureModel) -> Result<(), String> {
     let n = model.joints.len();
     check_way(&model.law, &model.postures, n)?;
+    if let Some(fault) = model.standing.as_ref().and_then(StandingPlace::fault) {
+        return Err(fault.to_owned());
+    }
     let Some(modes) = &model.modes else { return Ok(()) };
     for mode in &modes.all {
         check_way(&mode.law, &mode.postures, n).map_err(|e| format!("mode: {e}"))?;

@@ -4,6 +4,7 @@ use super::attraction::UsualPosture;
 use super::law::PostureLaw;
 use super::lowness::Lowness;
 use super::modes::Modes;
+use super::standing::StandingPlace;
 use crate::human::{BodySize, Side};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -228,6 +229,9 @@ pub struct PostureModel {
     /// the law and the postures are of all together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<Modes>,
+    /// Where people stand, and so when they step; none where it was not recorded of several people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standing: Option<StandingPlace>,
     /// Held-out quality of this and the other methods.
     pub quality: Vec<MethodQuality>,
     /// Where it comes from.

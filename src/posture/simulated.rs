@@ -146,6 +146,7 @@ fn simulated(
         },
         postures,
         modes: None,
+        standing: None,
         quality: Vec::new(),
         provenance: Provenance {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),

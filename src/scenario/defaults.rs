@@ -4,7 +4,7 @@ use toml::Table;
 
 /// Table (empty: the top), key, and what holds without it. Limits of the TCP are listed by
 /// [`super::Scenario::assumed_limits`].
-const OPTIONAL: [(&str, &str, &str); 20] = [
+const OPTIONAL: [(&str, &str, &str); 21] = [
     ("", "seed", "0"),
     ("", "score_profile", "vignais2017"),
     ("", "workspace", "none: the TCP may go anywhere within the other limits"),
@@ -14,8 +14,9 @@ const OPTIONAL: [(&str, &str, &str); 20] = [
     ("worker", "shoe_m", "0.03 m"),
     ("worker", "start_posture", "sampled from the person's own"),
     ("worker", "pelvis", "moves as predicted"),
-    ("worker", "neck", "in line with the trunk"),
-    ("worker", "other_arm", "unknown, so not scored"),
+    ("worker", "steps", "none: the feet stay where they are"),
+    ("worker", "neck", "as recorded people hold it, given trunk and hand"),
+    ("worker", "other_arm", "predicted: it hangs under its shoulder"),
     ("worker", "trunk_supported", "no"),
     ("worker", "arm_supported", "no"),
     ("task", "part_mass_kg", "0 kg"),
@@ -39,7 +40,7 @@ pub fn defaults_in_force(text: &str) -> Vec<String> {
         .iter()
         .filter(|(table, key, _)| !has(table, key))
         // Who sits, sits with or without shoes.
-        .filter(|(_, key, _)| !is_seated || *key != "shoe_m")
+        .filter(|(_, key, _)| !is_seated || !["shoe_m", "steps"].contains(key))
         .filter(|(_, key, _)| !has("worker", "side") || *key != "hands")
         .map(|(table, key, words)| {
             let dot = if table.is_empty() { "" } else { "." };
@@ -52,7 +53,9 @@ pub fn defaults_in_force(text: &str) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::ergonomics::Profile;
+    use crate::scenario::file::{OtherArm, PelvisFile, StanceFile};
     use crate::scenario::scenario_schema;
+    use crate::survey::NeckRule;
 
     #[test]
     fn every_key_is_one_of_the_format_and_optional() {
@@ -69,6 +72,19 @@ mod tests {
         }
         let profile = OPTIONAL.iter().find(|o| o.1 == "score_profile").unwrap();
         assert_eq!(profile.2, Profile::default().name);
+    }
+
+    #[test]
+    fn what_is_said_to_hold_holds() {
+        let said = |key: &str| OPTIONAL.iter().find(|o| o.1 == key).unwrap().2;
+        assert_eq!(NeckRule::default(), NeckRule::Predicted);
+        assert!(said("neck").starts_with("as recorded people hold it"));
+        assert_eq!(OtherArm::default(), OtherArm::Predicted);
+        assert!(said("other_arm").starts_with("predicted"));
+        assert_eq!(PelvisFile::default(), PelvisFile::Predicted);
+        assert_eq!(said("pelvis"), "moves as predicted");
+        assert!(matches!(StanceFile::default(), StanceFile::Standing));
+        assert_eq!(said("stance"), "standing");
     }
 
     #[test]

@@ -158,6 +158,10 @@ pub(super) struct WorkerFile {
     /// Whether the pelvis moves as predicted (default; on a seat it only turns), or is fixed.
     #[serde(default)]
     pub pelvis: PelvisFile,
+    /// Whether the feet stay where they are (`none`, default), or are set anew as recorded people stood
+    /// (`allowed`).
+    #[schemars(with = "Option<StepsFile>")]
+    pub steps: Option<Spanned<StepsFile>>,
     /// A backrest supports the trunk.
     #[schemars(with = "Option<bool>")]
     pub trunk_supported: Option<Spanned<bool>>,
@@ -194,6 +198,16 @@ pub(super) enum PelvisFile {
     Predicted,
     /// It stays upright where it is, on straight legs or on the seat.
     Fixed,
+}
+
+/// Whether the worker steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum StepsFile {
+    /// The feet stay where they are.
+    None,
+    /// They are set anew where recorded people would not let the hand go.
+    Allowed,
 }
 
 /// What a task needs the eyes on.

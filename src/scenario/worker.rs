@@ -1,6 +1,6 @@
 //! Who works, where, and in which posture.
 
-use super::file::{LookAt, OtherArm, PelvisFile, StanceFile, WorkerFile};
+use super::file::{LookAt, OtherArm, PelvisFile, StanceFile, StepsFile, WorkerFile};
 use super::plausible;
 use super::source::Source;
 use crate::files::{InputError, NumericTable};
@@ -27,6 +27,8 @@ pub struct Worker {
     pub adaptations: Vec<Adaptation>,
     /// Standing or seated.
     pub stance: Stance,
+    /// Whether the feet may be set elsewhere during the movement.
+    pub may_step: bool,
     /// Floor point below the pelvis, m.
     pub at_m: [f64; 2],
     /// Facing, rad about world z.
@@ -136,6 +138,7 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
         )?,
     };
     let (model, adaptations) = adapted(source, named_model, &model, hands, (file, stance))?;
+    let may_step = may_step(source, file, &model, stance)?;
     Ok(Worker {
         bodies,
         pelvis: model.pelvis(),
@@ -144,6 +147,7 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
         hands,
         adaptations,
         stance,
+        may_step,
         at_m: *at,
         facing: facing.to_radians(),
         trunk_supported,
@@ -197,6 +201,38 @@ fn stance(source: &Source, file: &WorkerFile) -> Result<Stance, InputError> {
             .remedy("remove it, or set stance = \"seated\""));
     }
     Ok(stance)
+}
+
+/// Whether the worker steps, which only who stands on a moving pelvis and whose standing place is known can.
+fn may_step(
+    source: &Source,
+    file: &WorkerFile,
+    model: &PostureModel,
+    stance: Stance,
+) -> Result<bool, InputError> {
+    let Some(steps) = file.steps.as_ref().filter(|s| *s.get_ref() == StepsFile::Allowed) else {
+        return Ok(false);
+    };
+    let refused = |message: &str, remedy: &str| Err(source.error(steps, message).remedy(remedy));
+    if matches!(stance, Stance::Seated { .. }) {
+        return refused(
+            "worker.steps is \"allowed\", but the worker sits",
+            "remove it, or set stance = \"standing\"",
+        );
+    }
+    if model.pelvis() != Pelvis::Moves {
+        return refused(
+            "worker.steps is \"allowed\", but the pelvis does not move",
+            "use a posture model of whole people, such as \"people\", and leave worker.pelvis at \"predicted\"",
+        );
+    }
+    if model.standing.is_none() {
+        return refused(
+            "worker.steps is \"allowed\", but the posture model does not know where people stand",
+            "use posture_model = \"people\", or train one on recordings of several people with their legs",
+        );
+    }
+    Ok(true)
 }
 
 /// How the pelvis takes part: as the model knows it, and as seat and scenario let it.

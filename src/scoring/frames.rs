@@ -23,6 +23,8 @@ pub struct Frame {
     pub arm: ArmAngles,
     /// Knee flexion, the larger of both, deg.
     pub knee_deg: f64,
+    /// Whether both heels are up, so that the fore-feet alone carry.
+    pub is_on_toes: bool,
     /// Horizontal distance of the wrist from L5/S1, m.
     pub reach_m: f64,
     /// The wrist in the world, m.
@@ -155,6 +157,7 @@ impl Look<'_> {
             body,
             arm,
             knee_deg,
+            is_on_toes: posture.is_on_toes(),
             reach_m: posture.reach_m(self.side),
             hand_m: posture.hand_m(self.side),
             ankles_m: posture.ankles_m,
@@ -172,7 +175,11 @@ impl Look<'_> {
 impl Frame {
     /// Fills in and scores the sheet.
     pub fn enter(&mut self, task: &TaskInputs, profile: &Profile) {
-        let task = TaskInputs { knee_flex_deg: self.knee_deg, ..*task };
+        let task = TaskInputs {
+            knee_flex_deg: self.knee_deg,
+            legs_unbalanced: task.legs_unbalanced || self.is_on_toes,
+            ..*task
+        };
         self.sheet = worksheet(&self.body, &self.arm, &task, profile);
         self.rula = rula(&self.sheet, profile);
         self.reba = reba(&self.sheet, profile);

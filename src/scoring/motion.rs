@@ -93,6 +93,11 @@ impl Motion {
         self.first().is_some_and(|p| p.knees_deg.is_some())
     }
 
+    /// Whether the rise of the heels are known.
+    pub fn has_heels(&self) -> bool {
+        self.first().is_some_and(|p| p.heels_deg.is_some())
+    }
+
     /// Number of frames.
     pub fn frames(&self) -> usize {
         self.tracks.iter().map(|t| t.postures.len()).sum()

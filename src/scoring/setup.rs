@@ -268,6 +268,8 @@ fn posture_inputs(motion: &Motion, declared: &Declared, side: Side) -> Vec<Input
     });
     let (balance, origin) = if declared.legs_unbalanced {
         ("unevenly loaded", Origin::FromTheTask)
+    } else if motion.has_heels() {
+        ("evenly loaded; unstable while both heels are up", motion.origin)
     } else {
         ("evenly loaded", Origin::Assumed)
     };

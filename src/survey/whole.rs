@@ -1,6 +1,6 @@
 //! A whole posture: trunk, neck, both arms and knees from all joint angles of a body.
 
-use super::{Measured, gaze, measure_arm, rotation};
+use super::{Measured, ON_TOES_DEG, gaze, measure_arm, rotation};
 use crate::ergonomics::{
     ArmAngles, BackAngle, BodyPose, TrunkNeckAngles, back_angle, trunk_neck_angles,
 };
@@ -21,6 +21,8 @@ pub struct WholePosture {
     pub arms: [Option<ArmAngles>; 2],
     /// Knee flexion, right and left, deg.
     pub knees_deg: Option<[f64; 2]>,
+    /// Rise of the heels over the balls of the feet, the lower one, deg.
+    pub heels_deg: Option<f64>,
     /// Horizontal distance of the right and the left wrist from L5/S1, m.
     pub reach_m: [f64; 2],
     /// Right and left wrist in the world, m.
@@ -71,6 +73,8 @@ pub struct WholeSurveyor {
     legs: [[Segment; 3]; 2],
     /// Right and left arm chain: columns of all joints in the order of the chain.
     chains: [Vec<usize>; 2],
+    /// Columns of the balls' joints.
+    heels: Option<[usize; 2]>,
     /// L3 and T12, between L5 and T8.
     spine: [Segment; 2],
     chain_names: [Vec<String>; 2],
@@ -95,7 +99,9 @@ impl WholeSurveyor {
             names.iter().filter_map(|n| parts.skeleton.column(n)).collect()
         };
         let chains = [columns(&chain_names[0]), columns(&chain_names[1])];
-        Ok(Self { parts, legs, chains, spine, chain_names })
+        let ball = |side: Side| parts.skeleton.column(&heel_joint(side));
+        let heels = ball(Side::Right).zip(ball(Side::Left)).map(|(right, left)| [right, left]);
+        Ok(Self { parts, legs, heels, chains, spine, chain_names })
     }
 
     /// Number of joint angles.
@@ -175,8 +181,21 @@ impl WholeSurveyor {
             neck: Some(neck),
             arms,
             knees_deg: Some(knees),
+            heels_deg: self.heels.map(|[right, left]| q[right].min(q[left]).to_degrees()),
             reach_m,
         }
+    }
+}
+
+/// The joint about which a heel rises.
+pub fn heel_joint(side: Side) -> String {
+    format!("j{}BallFoot_Z", side.prefix())
+}
+
+impl WholePosture {
+    /// Whether both heels are up, so that the fore-feet alone carry.
+    pub fn is_on_toes(&self) -> bool {
+        self.heels_deg.is_some_and(|h| h > ON_TOES_DEG)
     }
 }
 

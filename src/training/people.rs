@@ -14,6 +14,7 @@ use super::dataset::{Dataset, Trial};
 use super::measurer::bend_deg;
 pub use super::measurer::{FEATURES, Features};
 use super::source::{Source, Whom, read_source, refuse_twice};
+pub use super::standing::StandingScore;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;

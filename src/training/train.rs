@@ -12,6 +12,7 @@ use super::methods::{Law, learn_laws};
 use super::modes::{learn_modes, modes_note};
 use super::rollout_check::{LearnedRepetitions, learn_repetitions};
 use super::settings::{PullRule, TrainSettings};
+use super::standing::learn_standing;
 use super::way::{learn_way, rounded};
 use crate::files::InputError;
 use crate::math::stats::mean;
@@ -81,6 +82,7 @@ pub fn learn(
         law,
         postures,
         modes,
+        standing: learn_standing(dataset),
         quality: Vec::new(),
         provenance,
     })

@@ -34,6 +34,7 @@ pub fn input(i: &ScoreInput) -> (&'static str, String) {
         ScoreInput::ArmAndTrunk(Hands::Both) => {
             ("both arms, shoulder girdles, trunk", "posture model")
         }
+        ScoreInput::LegsThatStep => ("pelvis and legs", "posture model, on feet that step"),
         ScoreInput::Legs(true) => ("pelvis and legs", "posture model, on feet that stay"),
         ScoreInput::Legs(false) => ("pelvis and legs", "at rest, knees straight"),
         ScoreInput::OtherArm(OtherArm::Predicted) => ("other arm", "hangs under its shoulder"),

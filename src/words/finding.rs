@@ -36,8 +36,8 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
             percent(*share)
         ),
         Finding::StepNeeded { body, share } => format!(
-            "In {} of the repetitions {body} reaches only just, at the edge of balance or beyond: people step there. \
-             Here the feet stay where they are.",
+            "In {} of the repetitions {body} reaches only just, at the edge of balance or beyond, or stands where people \
+             would not stand for this: people step there. Here the feet stay where they are.",
             percent(*share)
         ),
         Finding::InFurniture { body, share, part, obstacle, depth_m } => format!(

@@ -45,8 +45,9 @@ pub fn worker(w: &WorkerFacts) -> Vec<String> {
         format!("{} on the robot, {stance}", hands(w.hands)),
         format!(
             "{} ({}, {}) m, facing {:.0} deg",
-            match (w.stance, w.pelvis_moves) {
-                (Stance::Standing { .. }, true) => "feet planted on either side of",
+            match (w.stance, w.pelvis_moves, w.may_step) {
+                (Stance::Standing { .. }, true, true) => "feet at first on either side of",
+                (Stance::Standing { .. }, true, false) => "feet planted on either side of",
                 _ => "pelvis above",
             },
             w.at_m[0],
@@ -84,6 +85,10 @@ pub fn not_modelled(n: NotModelled) -> &'static str {
         }
         NotModelled::Steps => {
             "steps: the feet stay where they are, an assumption of the cell; free people step for low and far places"
+        }
+        NotModelled::HowToStep => {
+            "how a step is made: both feet go to their next place together, in half a second, and count as \
+             standing on both while they do"
         }
         NotModelled::Forces => {
             "forces: only the load in kilograms enters the scores; no dynamics of the body or the robot"

@@ -1,7 +1,7 @@
 //! What the whole body does along a path, in words.
 
 use super::number::percent;
-use crate::planner::{BodyStrain, ModeShare, Spread};
+use crate::planner::{BodyStrain, ModeShare, Spread, StepsTaken};
 
 fn band(s: &Spread, digits: usize, unit: &str) -> String {
     format!("{:.digits$} {unit} (90 % band {:.digits$} to {:.digits$})", s.median, s.p05, s.p95)
@@ -36,6 +36,25 @@ fn ways(straighter: &ModeShare, bent: &ModeShare) -> String {
     )
 }
 
+/// How the feet are set anew.
+fn steps(s: &StepsTaken) -> String {
+    let elsewhere = if s.elsewhere_share > 0.0 {
+        format!(", and in {} they start elsewhere than at worker.at_m", percent(s.elsewhere_share))
+    } else {
+        String::new()
+    };
+    format!(
+        "in {} of repetitions the feet are set anew, {:.0} to {:.0} times and {} in all{elsewhere}. Where people \
+         stand is learned from {} movements of {} people; half a second for a step and its longest stride are assumed",
+        percent(s.share),
+        s.number.p05,
+        s.number.p95,
+        band(&s.way_m, 2, "m"),
+        s.movements,
+        s.people
+    )
+}
+
 /// Name and sentence of each figure.
 pub fn lines(s: &BodyStrain) -> Vec<(&'static str, String)> {
     let mut all = vec![("trunk", format!("bends to {}", band(&s.trunk_flexion_deg, 0, "deg")))];
@@ -62,6 +81,9 @@ pub fn lines(s: &BodyStrain) -> Vec<(&'static str, String)> {
             percent(heels)
         );
         all.push(("balance", sentence));
+    }
+    if let Some(taken) = &s.steps {
+        all.push(("steps", steps(taken)));
     }
     all.push((
         "low back",

@@ -204,6 +204,8 @@ fn a_scenario_with_a_slip_of_the_pen_is_refused_at_its_place() {
     refuse("\"female_p50\"", "\"female_p51\"", "edited.toml: worker.bodies:");
     refuse("\"operator.json\"", "\"none.json\"", "edited.toml: worker.posture_model:");
     refuse("side = \"right\"", "side = \"right\"\ntrunk_supported = true", "but the worker stands");
+    let steps = "side = \"right\"\nsteps = \"allowed\"";
+    refuse("side = \"right\"", steps, "worker.steps is \"allowed\", but the pelvis does not move");
     refuse("name = \"Bench pick and place\"", "name = \"a\\nb\"", "a control character");
     let path = |name: &str| format!("[[path]]\nname = \"{name}\"\nvia_m = [[0.4, 0.0, 1.1]]\n");
     refuse(head, &before(&path("straight")), "one of its own paths");

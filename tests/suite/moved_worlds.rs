@@ -119,7 +119,7 @@ fn assert_alike(a: &RunResult, b: &RunResult, what: &str) {
 
 #[test]
 fn a_mirrored_scenario_has_the_mirrored_result() {
-    for name in ["overhead_handle", "low_bin"] {
+    for name in ["overhead_handle", "low_bin", "along_the_bench"] {
         let scenario = shipped(name);
         let [a, b] = [&scenario, &mirrored(&scenario)].map(|s| planned(s, small(), 3));
         assert_alike(&a, &b, &format!("{name} mirrored"));
@@ -128,7 +128,7 @@ fn a_mirrored_scenario_has_the_mirrored_result() {
 
 #[test]
 fn a_cell_that_stands_elsewhere_has_the_same_result() {
-    for name in ["overhead_handle", "low_bin"] {
+    for name in ["overhead_handle", "low_bin", "along_the_bench"] {
         let scenario = shipped(name);
         let [a, b] = [&scenario, &moved(&scenario)].map(|s| planned(s, small(), 3));
         assert_alike(&a, &b, &format!("{name} elsewhere"));

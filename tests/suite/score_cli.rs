@@ -183,9 +183,15 @@ fn a_short_motion_shows_both_totals_unless_the_task_settles_them() {
 
 #[test]
 fn rollouts_of_a_plan_give_the_figures_of_the_plan() {
+    // One arm on a pelvis that rests, and a whole person who steps and rises on the toes.
+    for name in ["bench_pick_and_place", "along_the_bench"] {
+        rollouts_give_the_figures(name);
+    }
+}
+
+fn rollouts_give_the_figures(name: &str) {
     let room = tempfile::tempdir().unwrap();
-    let scenario =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench_pick_and_place.toml");
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenarios/{name}.toml"));
     let planner = "schema = \"ergopath/planner/1\"\nname = \"tiny\"\nvias = 1\nnamed_offset_m = 0.1\n\
                    sampled_offset_m = 0.1\npopulation = 4\ngenerations = 2\nruns = 1\n\
                    baseline_generations = 1\nsteps = 30\nrollouts_first = 2\nrollouts_most = 3\n\
@@ -211,7 +217,7 @@ fn rollouts_of_a_plan_give_the_figures_of_the_plan() {
         for figure in ["expected", "p05", "p95", "cvar90", "standard_error"] {
             let own = side["over_rollouts"][score][figure].as_f64().unwrap();
             let theirs = expected[score][figure].as_f64().unwrap();
-            assert!((own - theirs).abs() < 1e-9, "{score} {figure}: {own} {theirs}");
+            assert!((own - theirs).abs() < 1e-9, "{name}: {score} {figure}: {own} {theirs}");
         }
     }
     assert!(side["over_time"].is_null());

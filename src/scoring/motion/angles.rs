@@ -2,10 +2,10 @@
 
 use super::{Motion, MotionKind, Track};
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex, suggest};
-use crate::human::{Body, Side, Stance, column_of, column_unit};
+use crate::human::{Body, FEET_COLUMNS, Side, Stance, column_of, column_unit};
 use crate::math::Pose;
 use crate::scenario::Origin;
-use crate::survey::{WholePosture, WholeSurveyor};
+use crate::survey::{WholePosture, WholeSurveyor, heel_joint};
 use crate::training::SIMULATED_MARK;
 use std::path::Path;
 
@@ -115,6 +115,7 @@ struct Columns {
     arms: [bool; 2],
     has_neck: bool,
     has_knees: bool,
+    has_heels: bool,
 }
 
 impl Columns {
@@ -129,7 +130,9 @@ impl Columns {
         let track = rollout.or_else(|| place("trial"));
         let mut joints = Vec::new();
         for (i, name) in table.columns.iter().enumerate() {
-            if i == time || ["trial", "rollout"].contains(&name.as_str()) {
+            // No angle depends on where the feet are.
+            let aside = [&["trial", "rollout"][..], &FEET_COLUMNS].concat();
+            if i == time || aside.contains(&name.as_str()) {
                 continue;
             }
             let joint = surveyor.joints().position(|j| column_of(j) == *name);
@@ -149,6 +152,7 @@ impl Columns {
             arms,
             has_neck: axes("jT1C7") && axes("jC1Head"),
             has_knees: has_joint("jRightKnee_Z") && has_joint("jLeftKnee_Z"),
+            has_heels: [Side::Right, Side::Left].iter().all(|s| has_joint(&heel_joint(*s))),
             joints,
             units: surveyor.joints().map(|j| column_unit(j, body)).collect(),
         })
@@ -165,6 +169,7 @@ impl Columns {
         }
         posture.neck = posture.neck.filter(|_| self.has_neck);
         posture.knees_deg = posture.knees_deg.filter(|_| self.has_knees);
+        posture.heels_deg = posture.heels_deg.filter(|_| self.has_heels);
         posture
     }
 

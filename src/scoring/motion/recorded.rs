@@ -96,6 +96,7 @@ fn measure(
             let mut posture = surveyor.measure(&q, &at, head.as_ref());
             posture.neck = posture.neck.filter(|_| neck.is_some());
             posture.knees_deg = knees(recording, i);
+            posture.heels_deg = None;
             posture
         })
         .collect()

@@ -15,13 +15,14 @@ use super::super::modes::learn_modes;
 use super::super::rollout_check::{band_end, sampled_law, walk_path};
 use super::super::settings::TrainSettings;
 use super::super::spread::{learn_about_usual, learn_attraction, learn_postures};
+use super::super::standing::{StandingScore, judge_standing, learn_standing};
 use super::super::strangers::{mean_energy_deg, strangers};
 use super::{FEATURES, Features, Movement, Person, refuse_unlike};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis};
 use crate::posture::{
     Attraction, HandFeatures, Method, Modelled, Modes, PostureDistribution, PostureLaw,
-    PostureModel, low_place, roll_out,
+    PostureModel, StandingPlace, low_place, roll_out,
 };
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -132,6 +133,8 @@ pub struct PersonScore {
     pub stature_m: f64,
     /// Movements.
     pub movements: Vec<MovementScore>,
+    /// Where the person stood; none where the model does not say.
+    pub standing: Option<StandingScore>,
 }
 
 /// People whom a model has not seen: left out one by one, or those on whom a saved model is judged.
@@ -211,6 +214,7 @@ struct Taught<'a> {
     usual: Option<Attraction>,
     postures: PostureDistribution,
     modes: Option<Modes>,
+    standing: Option<StandingPlace>,
     /// Whom it was learned from, and how their hands compare; not known of a saved model.
     teachers: Option<(&'a Dataset, HandFeatures)>,
 }
@@ -241,7 +245,8 @@ impl<'a> Taught<'a> {
         let postures =
             PostureDistribution { about_usual, low: low.flatten(), ..learn_postures(&all) };
         let teachers = Some((dataset, hands));
-        Ok(Self { full, diagonal, plain, usual, postures, modes, teachers })
+        let standing = learn_standing(dataset);
+        Ok(Self { full, diagonal, plain, usual, postures, modes, standing, teachers })
     }
 
     /// What a saved model teaches.
@@ -257,6 +262,7 @@ impl<'a> Taught<'a> {
             plain,
             postures: model.postures.clone(),
             modes: model.modes.clone(),
+            standing: model.standing.clone(),
             teachers: None,
         }
     }
@@ -309,6 +315,7 @@ fn judged(
         person: person.name.clone(),
         stature_m: person.body.size.stature_m,
         movements,
+        standing: taught.standing.as_ref().map(|place| judge_standing(place, &own)),
     })
 }
 
