@@ -43,6 +43,9 @@ const STRAIGHT_DAMPING: f64 = 1e-5;
 const SETTLED: f64 = 1e-10;
 const MOST_TRIES: usize = 60;
 
+/// Halvings of a leg's length: to less than a micrometre.
+const BISECTIONS: usize = 24;
+
 /// Angles of one leg, rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LegPosture {
@@ -295,6 +298,31 @@ impl Legs {
             r.y - (leg.longest_m().powi(2) - level * level).max(0.0).sqrt()
         };
         self.sides.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// A pelvis in the rest frame raised or lowered until the knees are bent so far on average, rad; as far as legs
+    /// reach.
+    pub fn bent_so(&self, pelvis: &Pose, knees: f64) -> Pose {
+        let at = |up_m: f64| {
+            let mut moved = *pelvis;
+            moved.translation.vector.y += up_m;
+            moved
+        };
+        let bend = |up_m: f64| -> f64 {
+            let [right, left] = self.postures(&at(up_m));
+            -0.5 * (right.knee + left.knee)
+        };
+        if !knees.is_finite() {
+            return at(f64::NAN);
+        }
+        // From where both legs reach their feet downwards knees bend more and more.
+        let top = -self.too_high_m(&at(self.length_m())) + self.length_m();
+        let (mut low, mut high) = (top - self.length_m(), top);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if bend(middle) > knees { low = middle } else { high = middle }
+        }
+        at(0.5 * (low + high))
     }
 
     /// [`Self::excess`] for a pelvis in the rest frame.

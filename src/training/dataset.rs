@@ -54,6 +54,8 @@ pub struct Trial {
     pub q: Vec<Vec<f64>>,
     /// Joint velocities, T x n, rad/s.
     pub qdot: Vec<Vec<f64>>,
+    /// Whether a foot steps, T; empty where nobody does or nothing is known of it.
+    pub stepping: Vec<bool>,
 }
 
 impl From<&JointMotion> for Trial {
@@ -63,6 +65,7 @@ impl From<&JointMotion> for Trial {
             rate_hz: motion.rate_hz,
             q: motion.q.clone(),
             qdot: motion.qdot.clone(),
+            stepping: Vec::new(),
         }
     }
 }
@@ -81,7 +84,13 @@ impl Trial {
         let place = self.q.into_iter().zip(pelvis).map(|(q, p)| led(p.to_vec(), q));
         let speed = |(i, q): (usize, Vec<f64>)| led(columns.iter().map(|c| c[i]).collect(), q);
         let qdot = self.qdot.into_iter().enumerate().map(speed).collect();
-        Self { source: self.source, rate_hz: self.rate_hz, q: place.collect(), qdot }
+        Self {
+            source: self.source,
+            rate_hz: self.rate_hz,
+            q: place.collect(),
+            qdot,
+            stepping: self.stepping,
+        }
     }
 
     /// Takes the coordinates of the pelvis away.
@@ -115,6 +124,8 @@ pub struct Frame {
     pub time_s: f64,
     /// Whether it is one of the frames at about 15 Hz.
     pub is_sparse: bool,
+    /// Whether a foot steps.
+    pub is_stepping: bool,
     /// Movement to which a primitive counts it: its trial, or a stretch of a single trial.
     pub demonstration: usize,
     /// Phase within that movement, in [0, 1].
@@ -259,6 +270,7 @@ impl Dataset {
                     index: *index - 1,
                     time_s: row.time_s,
                     is_sparse: (*index - 1).is_multiple_of(every_second),
+                    is_stepping: false,
                     demonstration: 0,
                     phase: 0.0,
                 }
@@ -539,6 +551,7 @@ fn thinned(trial: &Trial, index: usize, coupling: &Coupling) -> Vec<Frame> {
                 index: k,
                 time_s: i as f64 / trial.rate_hz,
                 is_sparse: k % every_second == 0,
+                is_stepping: trial.stepping.get(i).copied().unwrap_or(false),
                 demonstration: 0,
                 phase: 0.0,
             }
@@ -570,7 +583,13 @@ pub(super) mod tests {
                 let row = |i: usize| (0..n).map(|c| pick(at(i as f64 / rate_hz, c))).collect();
                 (0..count).map(row).collect()
             };
-            Trial { source: format!("trial {t}"), rate_hz, q: rows(|p| p.0), qdot: rows(|p| p.1) }
+            Trial {
+                source: format!("trial {t}"),
+                rate_hz,
+                q: rows(|p| p.0),
+                qdot: rows(|p| p.1),
+                stepping: Vec::new(),
+            }
         };
         let trials: Vec<Trial> = (0..trials).map(trial).collect();
         Dataset::new(&trials, &body, Side::Right).unwrap()
@@ -622,6 +641,7 @@ pub(super) mod tests {
     fn too_little_and_too_still_is_refused() {
         let body = Body::load("female_p50", Path::new(".")).unwrap();
         let still = |count| Trial {
+            stepping: Vec::new(),
             source: "still".into(),
             rate_hz: 30.0,
             q: vec![vec![0.1; 24]; count],

@@ -4,7 +4,11 @@
 //! ```text
 //! feet frame   midway between the balls of the feet, on the floor; x ahead (mean of the feet), y up
 //! pelvis       hips seen from there, over the recorded leg, less where they are upright; then its turn
+//! height       so that the knees of the body, its feet side by side, bend as the recorded ones on average
 //! ```
+//! With the recorded height, feet that stand apart or walk would bend the knees of a body whose feet stand side by
+//! side by 20 deg for 2 cm; the hips are off by these few centimetres instead.
+//!
 //! The frame goes with feet that step, so that hand and pelvis are always told from where the person stands.
 //! Leg lengths take the place of metres: the pelvis of a body of another size bends its knees as much.
 
@@ -27,10 +31,10 @@ pub(super) struct OverFeet {
     pub pelvis: Vec<[f64; 6]>,
     /// Recorded leg from hip to ankle, m.
     pub leg_m: f64,
-    /// Share of the frames in which a foot steps.
-    pub stepping_share: f64,
-    /// Largest lowering of the pelvis that planted feet of the body asked for, leg lengths.
-    pub lowered: f64,
+    /// Whether a foot steps, T.
+    pub stepping: Vec<bool>,
+    /// Largest change of the height of the pelvis that the knees asked for, leg lengths.
+    pub shifted: f64,
 }
 
 /// One leg of a recording.
@@ -56,6 +60,12 @@ impl<'a> LegTracks<'a> {
     fn length_m(&self, frame: usize) -> f64 {
         let [hip, knee, ankle] = [self.hip, self.knee, self.foot].map(|t| t.position[frame]);
         (knee - hip).norm() + (ankle - knee).norm()
+    }
+
+    /// Flexion of the knee, rad.
+    fn bend_rad(&self, frame: usize) -> f64 {
+        let [hip, knee, ankle] = [self.hip, self.knee, self.foot].map(|t| t.position[frame]);
+        (knee - hip).angle(&(ankle - knee))
     }
 
     /// Ball of the foot, or the ankle where it is not recorded.
@@ -99,7 +109,15 @@ pub(super) fn over_feet(
         let at = stand + hip - rotation * own.between_hips();
         Pose::from_parts(at.into(), rotation)
     };
-    let raw: Vec<_> = (0..count).map(|i| pelvis_coordinates(&in_feet(i), body.leg_m())).collect();
+    let mut shifted = 0.0f64;
+    let mut raw = Vec::with_capacity(count);
+    for i in 0..count {
+        let there = in_feet(i);
+        let pelvis = own.bent_so(&there, 0.5 * (right.bend_rad(i) + left.bend_rad(i)));
+        let by_m = pelvis.translation.y - there.translation.y;
+        shifted = shifted.max(by_m.abs() / body.leg_m());
+        raw.push(pelvis_coordinates(&pelvis, body.leg_m()));
+    }
     if let Some(i) = raw.iter().position(|row| row.iter().any(|v| !v.is_finite())) {
         let message = format!("frame {i} holds a leg that is nowhere or has no length");
         return Err(InputError::new(&recording.source, message)
@@ -111,18 +129,16 @@ pub(super) fn over_feet(
             low_pass_zero_phase(&column, recording.rate_hz, cutoff_hz)
         })
         .collect();
-    let mut lowered = 0.0f64;
     let pelvis = (0..count)
         .map(|i| {
             let mut row: [f64; 6] = std::array::from_fn(|c| columns[c][i]);
-            let down = own.too_high_m(&pelvis_in_rest(&row, body.leg_m())) / body.leg_m();
-            row[1] -= down;
-            lowered = lowered.max(down);
+            // A filter may straighten legs beyond straight.
+            row[1] -= own.too_high_m(&pelvis_in_rest(&row, body.leg_m())) / body.leg_m();
             row
         })
         .collect();
-    let stepping_share = stepping_share(sides, recording.rate_hz);
-    Ok(Some(OverFeet { pelvis, leg_m, stepping_share, lowered }))
+    let stepping = stepping(sides, recording.rate_hz);
+    Ok(Some(OverFeet { pelvis, leg_m, stepping, shifted }))
 }
 
 /// Where the person faces: level, the mean of the feet that do not point backwards, or else as the pelvis.
@@ -141,8 +157,8 @@ fn ahead(sides: [&LegTracks; 2], pelvis: &SegmentTrack, i: usize) -> Vec3 {
     found.try_normalize(1e-9).unwrap_or_else(Vec3::x)
 }
 
-/// Share of the frames in which a ball of a foot moves.
-fn stepping_share(sides: [&LegTracks; 2], rate_hz: f64) -> f64 {
+/// Whether the ball of a foot moves at each frame.
+fn stepping(sides: [&LegTracks; 2], rate_hz: f64) -> Vec<bool> {
     let count = sides[0].foot.position.len();
     let moves = |i: usize| {
         sides.iter().any(|leg| {
@@ -150,8 +166,15 @@ fn stepping_share(sides: [&LegTracks; 2], rate_hz: f64) -> f64 {
             0.5 * way.norm() * rate_hz > STEPPING_M_S
         })
     };
-    let stepping = (1..count.max(2) - 1).filter(|&i| moves(i)).count();
-    stepping as f64 / count.max(1) as f64
+    (0..count).map(|i| i > 0 && i + 1 < count && moves(i)).collect()
+}
+
+impl OverFeet {
+    /// Share of the frames in which a foot steps.
+    pub(super) fn stepping_share(&self) -> f64 {
+        let count = self.stepping.iter().filter(|s| **s).count();
+        count as f64 / self.stepping.len().max(1) as f64
+    }
 }
 
 #[cfg(test)]
@@ -219,8 +242,9 @@ mod tests {
         let own = body("female_p50");
         let seen = found(&record(&own, STOOPED, 30), &own);
         assert!(departure(&seen.pelvis[17], &STOOPED) < 1e-9, "{:?}", seen.pelvis[17]);
-        assert_eq!((seen.pelvis.len(), seen.stepping_share, seen.lowered), (30, 0.0, 0.0));
+        assert_eq!((seen.pelvis.len(), seen.stepping_share()), (30, 0.0));
         // In leg lengths a body of another size stands alike; only feet are not quite in proportion.
+        assert!(seen.shifted < 1e-6, "{}", seen.shifted);
         let other = found(&record(&body("male_p95"), STOOPED, 30), &own);
         assert!(departure(&other.pelvis[17], &STOOPED) < 0.01, "{:?}", other.pelvis[17]);
     }
@@ -236,7 +260,7 @@ mod tests {
         }
         let seen = found(&recording, &own);
         assert!(departure(&seen.pelvis[17], &STOOPED) < 1e-9);
-        assert!(seen.stepping_share > 0.9);
+        assert!(seen.stepping_share() > 0.9);
     }
 
     #[test]
@@ -253,20 +277,31 @@ mod tests {
     }
 
     #[test]
-    fn legs_that_would_be_too_short_bring_the_pelvis_down() {
+    fn knees_bend_as_recorded_however_far_apart_the_feet_are() {
+        let own = body("female_p50");
+        let legs = Legs::new(&own, Stance::Standing { shoe_m: 0.0 }).unwrap();
+        let bent = |seen: &OverFeet| {
+            let [right, left] = legs.postures(&pelvis_in_rest(&seen.pelvis[17], own.leg_m()));
+            -0.5 * (right.knee + left.knee)
+        };
+        for apart_m in [0.0, 0.1, 0.2] {
+            let mut recording = record(&own, STOOPED, 30);
+            let upright = found(&record(&own, [0.0; 6], 30), &own);
+            assert!(bent(&upright) < 0.02 && upright.shifted < 1e-6, "{}", bent(&upright));
+            for track in recording.segments.iter_mut().filter(|t| t.name.starts_with("RightFoot")) {
+                track.position.iter_mut().for_each(|at| at.x += apart_m);
+            }
+            let tracks = [Side::Right, Side::Left].map(|s| LegTracks::of(&recording, s).unwrap());
+            let recorded = 0.5 * (tracks[0].bend_rad(17) + tracks[1].bend_rad(17));
+            let seen = found(&recording, &own);
+            assert!((bent(&seen) - recorded).abs() < 1e-4, "{} {recorded}", bent(&seen));
+        }
+    }
+
+    #[test]
+    fn what_holds_no_legs_or_lost_them_tells_no_pelvis() {
         let own = body("female_p50");
         let mut recording = record(&own, [0.0; 6], 30);
-        for track in recording
-            .segments
-            .iter_mut()
-            .filter(|t| !t.name.contains("Foot") && !t.name.contains("Toe"))
-        {
-            track.position.iter_mut().for_each(|at| at.z += 0.05);
-        }
-        let seen = found(&recording, &own);
-        let legs = Legs::new(&own, Stance::Standing { shoe_m: 0.0 }).unwrap();
-        let (short_m, _) = legs.excess_at(&pelvis_in_rest(&seen.pelvis[3], own.leg_m()));
-        assert!(short_m < 1e-9 && seen.lowered > 0.0, "{short_m} {}", seen.lowered);
         let mut lost = recording.clone();
         lost.segments[1].position[9].x = f64::NAN;
         let error = over_feet(&lost, &own, 6.0).unwrap_err();

@@ -57,6 +57,7 @@ impl Reach {
         let dense = trial_of(name, RATE_HZ, &angles);
         let every_second = |rows: Vec<Vec<f64>>| rows.into_iter().step_by(2).collect();
         Trial {
+            stepping: Vec::new(),
             source: dense.source,
             rate_hz: 0.5 * dense.rate_hz,
             q: every_second(dense.q),

@@ -111,7 +111,7 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
     if whom.pelvis != Some(Pelvis::Rests) {
         if let Some(standing) = over_feet(&recording, whom.body, settings.cutoff_hz)? {
             remarks.extend(standing_remarks(&standing));
-            trial = trial.on_pelvis(&standing.pelvis);
+            trial = Trial { stepping: standing.stepping, ..trial.on_pelvis(&standing.pelvis) };
         } else if whom.pelvis.is_some() {
             return Err(InputError::new(&recording.source, "does not hold both legs")
                 .remedy("a pelvis that moves is told from the feet: leave it at rest"));
@@ -149,20 +149,21 @@ fn from_angles(path: &Path, whom: &Whom) -> Result<Source, InputError> {
 
 /// What a reader should know of a pelvis over its feet.
 fn standing_remarks(standing: &OverFeet) -> Vec<Remark> {
-    /// Lowering that is worth a word, leg lengths.
+    /// Change of height that is worth a word, leg lengths.
     const WORTH_A_WORD: f64 = 0.02;
     let text = format!(
         "the pelvis is told from the feet, which step in {:.0} % of the frames; leg of {:.2} m from hip to ankle",
-        100.0 * standing.stepping_share,
+        100.0 * standing.stepping_share(),
         standing.leg_m
     );
-    let mut remarks = vec![Remark::new("feet", text).of_size(standing.stepping_share)];
-    if standing.lowered > WORTH_A_WORD {
+    let mut remarks = vec![Remark::new("feet", text).of_size(standing.stepping_share())];
+    if standing.shifted > WORTH_A_WORD {
         let text = format!(
-            "the pelvis was lowered by up to {:.0} % of a leg, for the legs of the body to reach its feet side by side",
-            100.0 * standing.lowered
+            "the pelvis was moved up or down by up to {:.0} % of a leg, for the knees of a body with its feet side by side \
+             to bend as recorded",
+            100.0 * standing.shifted
         );
-        remarks.push(Remark::new("lowered pelvis", text).of_size(standing.lowered));
+        remarks.push(Remark::new("height of the pelvis", text).of_size(standing.shifted));
     }
     remarks
 }

@@ -38,6 +38,14 @@ pub struct Residual<'a> {
     pub growth: DVector<f64>,
 }
 
+/// Frames in which both feet stand, as they do in a plan; all where there are too few of them.
+fn planted<'a>(frames: &[&'a Frame]) -> Vec<&'a Frame> {
+    /// Share of the frames.
+    const FEWEST: f64 = 0.2;
+    let planted: Vec<&Frame> = frames.iter().copied().filter(|f| !f.is_stepping).collect();
+    if (planted.len() as f64) < FEWEST * frames.len() as f64 { frames.to_vec() } else { planted }
+}
+
 /// The pull of the settings towards the postures of these frames; none when it is switched off.
 pub fn learn_attraction(
     dataset: &Dataset,
@@ -50,7 +58,8 @@ pub fn learn_attraction(
         PullRule::None => return None,
     };
     let people: BTreeSet<usize> = frames.iter().map(|f| f.person).collect();
-    let kept = at_most(&sparse(frames), settings.attraction_postures * people.len().max(1));
+    let kept =
+        at_most(&sparse(&planted(frames)), settings.attraction_postures * people.len().max(1));
     let hands: Vec<Pose> = kept.iter().map(|f| f.hand).collect();
     let mut rows: Vec<_> = kept.iter().map(|f| f.q.transpose()).collect();
     if dataset.is_of_people() {
@@ -166,7 +175,7 @@ pub(super) fn learn_about_usual(
     let mut folds: Vec<Vec<Departure>> = Vec::new();
     for fold in dataset.held_out() {
         let attraction = learn_attraction(dataset, &dataset.select(&fold.train), settings)?;
-        let test = sparse(&dataset.select(&fold.test));
+        let test = sparse(&planted(&dataset.select(&fold.test)));
         let hands: Vec<Pose> = test.iter().map(|f| f.hand).collect();
         let usual = attraction.usual_postures(&hands, stature_m);
         let departures = test.into_iter().zip(usual).map(|(frame, usual)| {

@@ -122,10 +122,8 @@ fn fitted(ends: &[FarEnd]) -> Option<StandingPlace> {
         let count = own(e.person).count() as f64;
         count / (count - 1.0)
     };
-    let distances: Vec<f64> = ends
-        .iter()
-        .map(|e| (drawn(e) * (inverse * about(e)).dot(&about(e))).sqrt())
-        .collect();
+    let distances: Vec<f64> =
+        ends.iter().map(|e| (drawn(e) * (inverse * about(e)).dot(&about(e))).sqrt()).collect();
     let heights: Vec<f64> = ends.iter().map(|e| e.height).collect();
     let short = |v: f64| rounded(v, DIGITS);
     let rows = |m: Matrix2<f64>| [[m.m11, m.m12], [m.m12, m.m22]].map(|r| r.map(short));
