@@ -61,7 +61,10 @@ pub use pair::Pair;
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};
 pub use rollout::{Rollout, roll_out};
-pub use simulated::{natural_grip, simulated_operator, simulated_person, simulated_whole_operator};
+pub use simulated::{
+    natural_grip, simulated_operator, simulated_person, simulated_whole_operator,
+    simulated_whole_person,
+};
 pub use standing::{Feet, Footing, STEP_S, StandingDraw, StandingPlace, Stepper};
 pub use start::{Start, StartRule, start_postures};
 pub use step::{Allowed, Bounds, ReachExceeded, StepSolver};

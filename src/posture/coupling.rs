@@ -243,7 +243,7 @@ impl Coupling {
 
     /// Bounds of legs and balance within `near` (m or rad) of the posture of `frames`, and by how much the
     /// legs are beyond theirs (m, rad).
-    pub(super) fn bounds(&self, frames: &Frames, near: f64, bounds: &mut Bounds) -> (f64, f64) {
+    pub fn bounds(&self, frames: &Frames, near: f64, bounds: &mut Bounds) -> (f64, f64) {
         bounds.clear();
         let Some(ground) = &self.ground else { return (0.0, 0.0) };
         let (at, turn) = self.chain.tip_frame(frames, ground.tip);

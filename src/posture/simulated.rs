@@ -95,6 +95,15 @@ pub fn simulated_person(
     simulated(body, Coupled::arm(side), number)
 }
 
+/// The same as a whole person, standing.
+pub fn simulated_whole_person(
+    body: &Body,
+    side: Side,
+    number: u64,
+) -> Result<PostureModel, InputError> {
+    simulated(body, Coupled { hands: side.into(), pelvis: Pelvis::Moves }, Some(number))
+}
+
 fn simulated(
     body: &Body,
     coupled: Coupled,
@@ -109,9 +118,9 @@ fn simulated(
     let mut spread =
         if is_whole { whole_covariance(&joints, |_, _| 1.0) } else { covariance(&joints) };
     // What differs from one time to the next where the hand is at the same place.
-    let about = is_whole.then(|| whole_covariance(&joints, |_, share| share));
+    let mut about = is_whole.then(|| whole_covariance(&joints, |_, share| share));
     if let Some(number) = number {
-        individual(&joints, number, &mut mean, &mut spread);
+        individual(&joints, number, &mut mean, (&mut spread, about.as_mut()));
         let limits = coupling.limits();
         for (i, q) in mean.iter_mut().enumerate() {
             *q = q.clamp(limits.lower[i], limits.upper[i]);
@@ -161,7 +170,12 @@ fn simulated(
 }
 
 /// Makes somebody else of the operator: other shares of the joint groups, another usual posture.
-fn individual(joints: &[String], number: u64, mean: &mut DVector<f64>, spread: &mut DMatrix<f64>) {
+fn individual(
+    joints: &[String],
+    number: u64,
+    mean: &mut DVector<f64>,
+    (spread, about): (&mut DMatrix<f64>, Option<&mut DMatrix<f64>>),
+) {
     let mut rng = stream(number, Purpose::Simulation, 7, 0);
     let shares = normals(&mut rng, 3 * GROUPS);
     let scale = |joint: &String| {
@@ -170,7 +184,11 @@ fn individual(joints: &[String], number: u64, mean: &mut DVector<f64>, spread: &
         (INDIVIDUAL_SHARE * shares[3 * group + axis]).exp()
     };
     let scales = DVector::from_iterator(joints.len(), joints.iter().map(scale));
-    *spread = DMatrix::from_diagonal(&scales) * &*spread * DMatrix::from_diagonal(&scales);
+    let scales = DMatrix::from_diagonal(&scales);
+    *spread = &scales * &*spread * &scales;
+    if let Some(about) = about {
+        *about = &scales * &*about * &scales;
+    }
     if let Some(factor) = spread.clone().cholesky() {
         let z = DVector::from_vec(normals(&mut rng, joints.len()));
         *mean += factor.l() * z * INDIVIDUAL_POSTURE;
