@@ -1,9 +1,11 @@
 //! `ErgoBench`: planners judged by people whose true behaviour is known.
 //!
-//! Workstations of six families, bodies, and simulated people are drawn by seed. The planner knows a
-//! person only from demonstrations of *other* movements; every path is then walked by the person
-//! themselves, so that no planner is judged by its own model. The oracle plans with the truth and
-//! bounds what could be reached. Nobody was recorded: the figures compare planners, not workplaces.
+//! Workstations of nine families, bodies, and simulated people are drawn by seed. In six of them an arm
+//! on a pelvis that rests moves; in three, where hands go low, a whole person does, with one hand or with
+//! both. The planner knows a person only from demonstrations of *other* movements; every path is then
+//! walked by the person themselves, so that no planner is judged by its own model. The oracle plans with
+//! the truth and bounds what could be reached. Nobody was recorded: the figures compare planners, not
+//! workplaces.
 //!
 //! ```text
 //! people     five kinds, each with a law of its own; statistics: how their joints move

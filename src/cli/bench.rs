@@ -23,7 +23,8 @@ pub(super) struct Args {
     /// A subset: two of the five kinds of people, and the planner `quick`.
     #[arg(long)]
     quick: bool,
-    /// Families, separated by commas: bench, overhead, low-bin, lateral, seated, shelf.
+    /// Families, separated by commas: bench, overhead, low-bin, lateral, seated, shelf; with whole people
+    /// deep-bin, floor-lift, two-handed.
     #[arg(long, value_delimiter = ',', value_name = "NAME,...")]
     families: Vec<String>,
     /// Also plan with the pace of the path free, which costs half as much again.
@@ -135,13 +136,16 @@ fn question(args: &Args) -> Result<Question, Failure> {
     })
 }
 
-const NAMES: [(&str, Family); 6] = [
+const NAMES: [(&str, Family); 9] = [
     ("bench", Family::Bench),
     ("overhead", Family::Overhead),
     ("low-bin", Family::LowBin),
     ("lateral", Family::LateralHandOver),
     ("seated", Family::SeatedTable),
     ("shelf", Family::ShelfLift),
+    ("deep-bin", Family::DeepBin),
+    ("floor-lift", Family::FloorLift),
+    ("two-handed", Family::TwoHandedLift),
 ];
 
 fn family(name: &str) -> Result<Family, InputError> {

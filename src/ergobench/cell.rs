@@ -97,7 +97,8 @@ pub(super) fn run_cell(
     folder: &Path,
     stage: Stage,
 ) -> Result<Cell, PlanError> {
-    let person = TruePerson::new(draft.body, Side::Right, draft.kind, draft.person_number)?;
+    let contacts = draft.family.contacts();
+    let person = TruePerson::new(draft.body, contacts, draft.kind, draft.person_number)?;
     let Found { station, redrawn, scenario, demonstrated } =
         station(draft, &person, question, folder)?;
     let mut cell = Cell {
@@ -212,9 +213,10 @@ fn station(
     for redrawn in 0..MOST_DRAWS {
         let name = (draft.number * 10_000) as u32 + draft.family as u32 * 1000 + redrawn;
         let mut rng = stream(question.seed, Purpose::Simulation, 20, name);
-        let station = draw(draft.family, draft.number, false, &mut rng);
+        let station = draw(draft.family, draft.number, &mut rng);
         // A first look needs no model of this person: the shipped one stands in.
-        let text = station.scenario(&draft.body.name, "demo_operator", question.seed);
+        let stand_in = draft.family.stand_in();
+        let text = station.scenario(&draft.body.name, stand_in, question.seed);
         let scenario = written(folder, &text)?;
         let reach = Demonstrator::new(&scenario, draft.body, person)?;
         if !reach.reaches(&scenario.start) || !reach.reaches(&scenario.goal) {

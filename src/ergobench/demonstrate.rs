@@ -1,13 +1,14 @@
-//! What a simulated person shows of themselves: movements at the workstation, never the planned one.
+//! What a simulated person shows of themselves: movements at the workstation, never the planned one. Who
+//! works with both hands shows both; the learner takes from it, as from recordings, trunk and leading arm.
 
 use super::families::Station;
 use super::people::{Manner, TruePerson};
 use crate::files::InputError;
-use crate::human::Body;
+use crate::human::{Body, Coupled};
 use crate::math::pose::interpolate;
 use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
-use crate::posture::{Behaviour, Coupling, Grips, StartRule, start_postures};
+use crate::posture::{Behaviour, Coupling, Grips, Hold, Start, StartRule};
 use crate::scenario::Scenario;
 use crate::training::{Trial, trial_of};
 use nalgebra::UnitQuaternion;
@@ -27,7 +28,9 @@ pub(super) struct Demonstrator<'a> {
     scenario: &'a Scenario,
     coupling: Coupling,
     person: &'a TruePerson,
-    world_to_pelvis: Pose,
+    world_to_rest: Pose,
+    /// Joints up to the leading hand, which come first.
+    led: usize,
 }
 
 impl<'a> Demonstrator<'a> {
@@ -37,22 +40,29 @@ impl<'a> Demonstrator<'a> {
         person: &'a TruePerson,
     ) -> Result<Self, InputError> {
         let w = &scenario.worker;
-        let pelvis = body.pelvis_pose(w.at_m, w.facing, w.stance);
-        let coupling = Coupling::new(body, w.hands.lead(), scenario.hold)?;
-        Ok(Self { scenario, coupling, person, world_to_pelvis: pelvis.inverse() })
+        let rest = body.pelvis_pose(w.at_m, w.facing, w.stance);
+        let second = scenario.second_hand.map(|s| s.hold);
+        let holds: Vec<Hold> = std::iter::once(scenario.hold).chain(second).collect();
+        let held = (w.stance, scenario.task.load_kg);
+        let coupling = Coupling::of_person(body, w.coupled(), &holds, held)?;
+        let leading = Coupled { hands: w.hands.lead().into(), pelvis: w.pelvis };
+        let led = body.chain(leading, &[])?.dof();
+        Ok(Self { scenario, coupling, person, world_to_rest: rest.inverse(), led })
     }
 
-    fn grip(&self, tcp: &Pose) -> Pose {
-        self.world_to_pelvis * tcp * self.scenario.grip
+    fn grips(&self, tcp: &Pose) -> Grips {
+        let first = self.world_to_rest * tcp * self.scenario.grip;
+        Grips { first, second: self.scenario.second_hand.map(|s| first * s.between) }
     }
 
-    /// Whether every repetition gets the hand to a TCP pose.
-    pub(super) fn reaches(&self, tcp: &Pose) -> bool {
-        let hand = self.grip(tcp);
-        let postures = self.person.postures();
+    fn starts(&self, grips: &Grips, block: (u64, u32), count: usize) -> Vec<Start> {
         let rule = StartRule::Sampled;
-        let starts = start_postures(&self.coupling, postures, &rule, hand, (0, 0), 0..LOOKS);
-        starts.iter().all(|s| s.q.is_some())
+        self.person.starts(&self.coupling, grips, None, &rule, block, 0..count)
+    }
+
+    /// Whether every repetition gets the hands to a TCP pose.
+    pub(super) fn reaches(&self, tcp: &Pose) -> bool {
+        self.starts(&self.grips(tcp), (0, 0), LOOKS).iter().all(|s| s.q.is_some())
     }
 
     /// Movements between random places about the workstation's: never the path that is planned.
@@ -92,30 +102,26 @@ impl<'a> Demonstrator<'a> {
         let duration = (1.6 + rng.random::<f64>()) / tempo;
         let count = (duration * RATE_HZ).round() as usize;
         let times: Vec<f64> = (0..=count).map(|i| i as f64 / RATE_HZ).collect();
-        let hands: Vec<Pose> = (0..=count)
+        let grips: Vec<Grips> = (0..=count)
             .map(|i| {
                 let [s, ..] = crate::trajectory::minimum_jerk(i as f64 / count as f64);
                 let mut tcp = interpolate(&from, &to, s);
                 tcp.translation.vector += bend * (4.0 * s * (1.0 - s));
-                self.grip(&tcp)
+                self.grips(&tcp)
             })
             .collect();
         let block = (seed, BLOCK + number);
-        let postures = self.person.postures();
-        let rule = StartRule::Sampled;
-        let starts = start_postures(&self.coupling, postures, &rule, hands[0], block, 0..1);
+        let starts = self.starts(&grips[0], block, 1);
         if starts.iter().any(|s| s.q.is_none()) {
             return None;
         }
         // The repetition's number decides between habits.
-        let grips: Vec<Grips> = hands.iter().map(Into::into).collect();
         let way = (&times[..], &grips[..]);
         let repeated = self.person.repeat(&self.coupling, way, &starts, block, number as usize);
         let rollout =
             repeated.rollouts.into_iter().next().filter(|r| r.reach_exceeded_at.is_none())?;
-        let n = self.coupling.dof();
         let angles: Vec<Vec<f64>> =
-            (0..n).map(|c| rollout.q.iter().map(|q| q[c]).collect()).collect();
+            (0..self.led).map(|c| rollout.q.iter().map(|q| q[c]).collect()).collect();
         Some(trial_of(format!("demonstration {number}"), RATE_HZ, &angles))
     }
 }
@@ -126,28 +132,30 @@ mod tests {
     use super::super::people::Kind;
     use super::super::statistics::Statistics;
     use super::*;
-    use crate::human::Side;
     use crate::math::stats::mean;
     use crate::scenario::read_scenario;
     use std::path::Path;
 
-    /// Two people of a kind in each family, from seeds for tuning.
-    fn shown(kind: Kind) -> Vec<Statistics> {
+    /// Two people of a kind in each of some families, from seeds for tuning.
+    fn shown(kind: Kind, is_whole: bool) -> Vec<Statistics> {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("scenario.toml");
         let mut all = Vec::new();
-        for (f, family) in Family::ALL.into_iter().enumerate() {
+        let families = Family::ALL.into_iter().enumerate();
+        for (f, family) in families.filter(|(_, f)| f.is_whole() == is_whole) {
             for i in 0..2 {
                 let name = ["female_p05", "male_p50", "male_p95"][(f + i) % 3];
                 let body = Body::load(name, Path::new(".")).unwrap();
                 let number = (10 * f + i) as u64;
-                let person = TruePerson::new(&body, Side::Right, kind, number).unwrap();
+                let person = TruePerson::new(&body, family.contacts(), kind, number).unwrap();
                 let mut rng = stream(3, Purpose::Simulation, 20, number as u32);
-                let station = draw(family, number, false, &mut rng);
-                std::fs::write(&file, station.scenario(name, "demo_operator", 3)).unwrap();
+                let station = draw(family, number, &mut rng);
+                let text = station.scenario(name, family.stand_in(), 3);
+                std::fs::write(&file, text).unwrap();
                 let scenario = read_scenario(&file).unwrap();
                 let them = Demonstrator::new(&scenario, &body, &person).unwrap();
                 let trials = them.demonstrate(&station, number, 12);
+                assert!(trials.iter().all(|t| t.q[0].len() == if is_whole { 30 } else { 24 }));
                 assert!(trials.len() >= 6, "{} {}: {}", station.name, name, trials.len());
                 all.push(Statistics::of(&trials));
             }
@@ -157,13 +165,24 @@ mod tests {
 
     #[test]
     fn people_as_recorded_move_as_the_recorded_people_do() {
-        let all = shown(Kind::AsRecorded);
+        let all = shown(Kind::AsRecorded, false);
         let rank = mean(&all.iter().map(|s| s.participation_rank).collect::<Vec<_>>());
         let speed = mean(&all.iter().map(|s| s.joint_speed_deg_s).collect::<Vec<_>>());
         assert!((2.9..3.3).contains(&rank), "participation rank {rank}");
         assert!((18.0..25.0).contains(&speed), "{speed} deg/s");
-        let in_class = shown(Kind::InClass);
+        let in_class = shown(Kind::InClass, false);
         let speed = mean(&in_class.iter().map(|s| s.joint_speed_deg_s).collect::<Vec<_>>());
         assert!(speed < 15.0, "{speed} deg/s in class");
+    }
+
+    #[test]
+    fn whole_people_show_trunk_and_leading_arm() {
+        for kind in Kind::ALL {
+            for s in shown(kind, true) {
+                let (rank, speed) = (s.participation_rank, s.joint_speed_deg_s);
+                assert!((1.5..8.0).contains(&rank), "{}: rank {rank}", kind.name());
+                assert!((3.0..40.0).contains(&speed), "{}: {speed} deg/s", kind.name());
+            }
+        }
     }
 }

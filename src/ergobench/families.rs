@@ -1,5 +1,9 @@
-//! Six families of workstations, drawn by seed and written as scenario files.
+//! Nine families of workstations, drawn by seed and written as scenario files.
+//!
+//! Six are for an arm on a pelvis that rests. Three ask for legs that bend, and are for a whole person.
 
+use super::people::{Contacts, HALF_CRATE_M, LEAN};
+use crate::human::{Hands, Side};
 use crate::math::Vec3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -22,18 +26,50 @@ pub enum Family {
     SeatedTable,
     /// A load from low to a shelf; raised to where straight legs do.
     ShelfLift,
+    /// A part out of a bin on the floor, by a whole person.
+    DeepBin,
+    /// A load from the floor to a shelf, by a whole person.
+    FloorLift,
+    /// A crate from low to a table with both hands, by a whole person; the robot carries a part of it.
+    TwoHandedLift,
 }
+
+/// Share of a crate's weight that is left to the person.
+const CRATE_SHARE: f64 = 0.4;
 
 impl Family {
     /// All families.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::Bench,
         Self::Overhead,
         Self::LowBin,
         Self::LateralHandOver,
         Self::SeatedTable,
         Self::ShelfLift,
+        Self::DeepBin,
+        Self::FloorLift,
+        Self::TwoHandedLift,
     ];
+
+    /// Whether a whole person is needed: pelvis, trunk and arms move, and the legs follow.
+    pub fn is_whole(self) -> bool {
+        self.contacts().is_whole()
+    }
+
+    /// How its people take part; whole ones expect the weight that is usual here.
+    pub(super) fn contacts(self) -> Contacts {
+        match self {
+            Self::DeepBin => Contacts::whole(Hands::Right, 0.5),
+            Self::FloorLift => Contacts::whole(Hands::Right, 3.6),
+            Self::TwoHandedLift => Contacts::whole(Hands::Both, 7.0 * CRATE_SHARE),
+            _ => Contacts::arm(Side::Right),
+        }
+    }
+
+    /// The shipped posture model that stands in for a person's before it is learned.
+    pub(super) fn stand_in(self) -> &'static str {
+        if self.is_whole() { "whole_operator" } else { "demo_operator" }
+    }
 
     /// Name in words; what differs from the family's own heights is said.
     pub fn name(self) -> &'static str {
@@ -44,6 +80,9 @@ impl Family {
             Self::LateralHandOver => "lateral hand-over",
             Self::SeatedTable => "seated table",
             Self::ShelfLift => "shelf lift (z 0.7 to 1.4 m)",
+            Self::DeepBin => "deep bin (z 0.3 to 0.4 m)",
+            Self::FloorLift => "floor lift (z 0.3 to 1.4 m)",
+            Self::TwoHandedLift => "two-handed lift (z 0.35 to 1.15 m)",
         }
     }
 
@@ -55,6 +94,9 @@ impl Family {
             Self::LateralHandOver => "lateral",
             Self::SeatedTable => "seated",
             Self::ShelfLift => "shelf",
+            Self::DeepBin => "deep_bin",
+            Self::FloorLift => "floor_lift",
+            Self::TwoHandedLift => "two_handed",
         }
     }
 }
@@ -74,8 +116,8 @@ pub struct Station {
     pub mass_kg: f64,
 }
 
-/// Draws a workstation; `is_low` at the heights for which legs would have to bend.
-pub fn draw(family: Family, number: u64, is_low: bool, rng: &mut ChaCha8Rng) -> Station {
+/// Draws a workstation.
+pub fn draw(family: Family, number: u64, rng: &mut ChaCha8Rng) -> Station {
     let mut about = |centre: [f64; 3], half: [f64; 3]| {
         Vec3::from_fn(|i, _| {
             let u: f64 = rng.random();
@@ -91,7 +133,7 @@ pub fn draw(family: Family, number: u64, is_low: bool, rng: &mut ChaCha8Rng) -> 
             about([0.40, -0.25, 1.05], [0.05, 0.08, 0.06]),
             about([0.36, -0.06, 1.52], [0.04, 0.08, 0.06]),
         ),
-        Family::LowBin if is_low => (
+        Family::DeepBin => (
             about([0.50, -0.25, 0.35], [0.05, 0.06, 0.05]),
             about([0.42, 0.05, 1.05], [0.05, 0.08, 0.05]),
         ),
@@ -107,7 +149,7 @@ pub fn draw(family: Family, number: u64, is_low: bool, rng: &mut ChaCha8Rng) -> 
             about([0.38, -0.30, 0.90], [0.05, 0.08, 0.05]),
             about([0.44, 0.10, 1.02], [0.04, 0.08, 0.08]),
         ),
-        Family::ShelfLift if is_low => (
+        Family::FloorLift => (
             about([0.42, -0.20, 0.32], [0.03, 0.05, 0.02]),
             about([0.42, -0.10, 1.38], [0.04, 0.08, 0.03]),
         ),
@@ -115,14 +157,19 @@ pub fn draw(family: Family, number: u64, is_low: bool, rng: &mut ChaCha8Rng) -> 
             about([0.40, -0.22, 0.72], [0.03, 0.05, 0.02]),
             about([0.42, -0.10, 1.38], [0.04, 0.08, 0.03]),
         ),
+        Family::TwoHandedLift => (
+            about([0.64, 0.0, 0.45], [0.03, 0.04, 0.10]),
+            about([0.60, 0.0, 1.02], [0.03, 0.06, 0.12]),
+        ),
     };
     let mass_kg = match family {
-        Family::ShelfLift => round(2.2 + 2.8 * rng.random::<f64>()),
+        Family::ShelfLift | Family::FloorLift => round(2.2 + 2.8 * rng.random::<f64>()),
+        Family::TwoHandedLift => round(4.0 + 6.0 * rng.random::<f64>()),
         _ => 0.5,
     };
     let margin = Vec3::new(0.04, 0.08, 0.08);
     let demonstrated = [start.inf(&goal) - margin, start.sup(&goal) + margin];
-    let name = format!("{}_{number}{}", family.key(), if is_low { "_low" } else { "" });
+    let name = format!("{}_{number}", family.key());
     Station { family, name, ends: [start, goal], demonstrated, mass_kg }
 }
 
@@ -145,18 +192,24 @@ impl Station {
             "stance = \"standing\"".to_owned()
         };
         let [start, goal] = self.ends.map(|p| format!("[{}, {}, {}]", p.x, p.y, p.z));
+        let (robot, base) = self.robot();
+        let is_crate = self.family == Family::TwoHandedLift;
+        let hands = if is_crate { "both" } else { "right" };
+        let share = if is_crate { format!("{CRATE_SHARE}") } else { "1.0".to_owned() };
+        // The TCP points down, or at the worker with the crate before it.
+        let turn = if is_crate { "[0, -90, 0]" } else { "[180, 0, 0]" };
+        let grip = self.grip();
         let mut text = format!(
             "schema = \"ergopath/scenario/1\"\nname = \"{}\"\ndescription = \"{}, drawn by ErgoBench\"\n\
-             seed = {seed}\n\n[worker]\nbodies = [\"{body}\"]\nposture_model = \"{model}\"\nhands = \"right\"\n\
-             neck = \"neutral\"\n             {stance}\nat_m = [0.0, 0.0]\nfacing_deg = 0\n\n[grip]\nrpy_deg = [180, 0, -90]\nhold = \"rigid\"\n\n\
-             [robot]\npreset = \"panda\"\nbase = {{ position_m = [0.85, 0.0, {}], rpy_deg = [0, 0, 180] }}\n\n\
-             [start]\nposition_m = {start}\nrpy_deg = [180, 0, 0]\n\n[goal]\nposition_m = {goal}\n\
-             rpy_deg = [180, 0, 0]\n\n[motion]\nduration_s = 4.0\n\n[workspace]\nmin_m = [0.22, -0.70, 0.25]\n\
+             seed = {seed}\n\n[worker]\nbodies = [\"{body}\"]\nposture_model = \"{model}\"\nhands = \"{hands}\"\n\
+             neck = \"neutral\"\n             {stance}\nat_m = [0.0, 0.0]\nfacing_deg = 0\n\n{grip}\n\
+             [robot]\npreset = \"{robot}\"\nbase = {{ position_m = {base}, rpy_deg = [0, 0, 180] }}\n\n\
+             [start]\nposition_m = {start}\nrpy_deg = {turn}\n\n[goal]\nposition_m = {goal}\n\
+             rpy_deg = {turn}\n\n[motion]\nduration_s = 4.0\n\n[workspace]\nmin_m = [0.22, -0.70, 0.25]\n\
              max_m = [0.80, 0.60, 1.75]\n\n[limits]\nspeed_m_s = 0.6\nperson_clearance_share = 1.0\n\n[task]\npart_mass_kg = {}\n\
-             human_load_share = 1.0\ncycles_per_min = 3\nhold_s = 0\ncoupling = \"good\"\n",
+             human_load_share = {share}\ncycles_per_min = 3\nhold_s = 0\ncoupling = \"good\"\n",
             self.name,
             self.family.name(),
-            self.base_height_m(),
             self.mass_kg,
         );
         for (name, centre, size) in self.obstacles() {
@@ -170,13 +223,34 @@ impl Station {
         text
     }
 
-    /// Height of the robot's base, m: where it reaches both ends.
-    fn base_height_m(&self) -> f64 {
-        let low = self.ends[0].z.min(self.ends[1].z);
+    /// Who holds what: an upright bar on the TCP; a bar that leans forward and may turn in the hand; or two
+    /// of them on the sides of a crate.
+    fn grip(&self) -> String {
+        let lean = round(LEAN.to_degrees());
+        if !self.family.is_whole() {
+            return "[grip]\nrpy_deg = [180, 0, -90]\nhold = \"rigid\"\n".to_owned();
+        }
+        if self.family != Family::TwoHandedLift {
+            let about_x = 180.0 + lean;
+            return format!("[grip]\nrpy_deg = [{about_x}, 0, -90]\nhold = \"free_roll\"\n");
+        }
+        let hand = |name: &str, sideways: f64| {
+            let about_x = 90.0 + lean;
+            format!(
+                "[grip.{name}]\nposition_m = [0.0, {sideways}, 0.17]\nrpy_deg = [{about_x}, 0, 90]\n\
+                 hold = \"free_roll\"\n"
+            )
+        };
+        format!("{}\n{}", hand("right", -HALF_CRATE_M), hand("left", HALF_CRATE_M))
+    }
+
+    /// The robot and where its base is, m: where it reaches both ends.
+    fn robot(&self) -> (&'static str, &'static str) {
         match self.family {
-            Family::Overhead => 1.0,
-            _ if low < 0.5 => 0.4,
-            _ => 0.75,
+            Family::Overhead => ("panda", "[0.85, 0.0, 1]"),
+            Family::DeepBin | Family::FloorLift => ("ur10e", "[1.15, 0.0, 0.6]"),
+            Family::TwoHandedLift => ("ur10e", "[1.4, 0.0, 0.4]"),
+            _ => ("panda", "[0.85, 0.0, 0.75]"),
         }
     }
 
@@ -187,7 +261,7 @@ impl Station {
                 vec![("table", Vec3::new(0.70, 0.0, 0.36), Vec3::new(0.8, 1.4, 0.72))]
             }
             // Two walls of the bin, a hand's breadth on each side of the part.
-            Family::LowBin => {
+            Family::LowBin | Family::DeepBin => {
                 let at = self.ends[0];
                 let wall =
                     |side: f64| Vec3::new(at.x, round(at.y + 0.17 * side), round(at.z - 0.22));
@@ -195,6 +269,54 @@ impl Station {
                 vec![("bin wall right", wall(-1.0), size), ("bin wall left", wall(1.0), size)]
             }
             _ => Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::Body;
+    use crate::math::stream::{Purpose, stream};
+    use crate::scenario::read_scenario;
+
+    #[test]
+    fn scenarios_have_the_hands_and_bars_that_their_people_know() {
+        let room = tempfile::tempdir().unwrap();
+        let file = room.path().join("scenario.toml");
+        let body = Body::load("female_p50", room.path()).unwrap();
+        for (f, family) in Family::ALL.into_iter().enumerate() {
+            let mut rng = stream(3, Purpose::Simulation, 20, f as u32);
+            let station = draw(family, 0, &mut rng);
+            let text = station.scenario(&body.name, family.stand_in(), 3);
+            std::fs::write(&file, text).unwrap();
+            let s = read_scenario(&file).unwrap();
+            let contacts = family.contacts();
+            assert_eq!(s.worker.coupled(), contacts.coupled, "{}", family.name());
+            assert_eq!(s.hold, contacts.hold, "{}", family.name());
+            // The grips at the start, as the scenario has them and as the person thinks of them there.
+            let w = &s.worker;
+            let rest = body.pelvis_pose(w.at_m, w.facing, w.stance).inverse();
+            let first = rest * s.start * s.grip;
+            let second = s.second_hand.map(|other| first * other.between);
+            let at = |a: &crate::math::Pose| a.translation.vector;
+            let middle = second.map_or(at(&first), |b| (at(&first) + at(&b)) * 0.5);
+            let known = contacts.grips(middle);
+            for (own, seen) in known.iter().zip([Some(first), second].into_iter().flatten()) {
+                assert!((at(own) - at(&seen)).norm() < 1e-9, "{}", family.name());
+                assert!(own.rotation.angle_to(&seen.rotation) < 1e-6, "{}", family.name());
+            }
+            assert_eq!(known.second.is_some(), second.is_some());
+        }
+    }
+
+    #[test]
+    fn crates_come_from_low_and_are_carried_together() {
+        for number in 0..40 {
+            let mut rng = stream(4, Purpose::Simulation, 20, number);
+            let s = draw(Family::TwoHandedLift, 0, &mut rng);
+            assert!((0.35..=0.55).contains(&s.ends[0].z) && (0.9..=1.14).contains(&s.ends[1].z));
+            assert!((4.0..=10.0).contains(&s.mass_kg), "{} kg", s.mass_kg);
         }
     }
 }

@@ -1,20 +1,24 @@
-//! Somebody who spares themselves: at every step a little less effort, as far as the hand allows.
+//! Somebody who spares themselves: at every step a little less effort, as far as the hands allow.
 //!
 //! ```text
 //! E(q) = 1/2 sum ((q - c)/s)^2 + 1/2 a |M_shoulder / M_s|^2 + 1/2 b |M_back / M_b|^2
+//!        + 1/2 e sin^2(k/2) / sin^2(30 deg)            legs that bend: sin^2(k/2) = 2 d - d^2
 //! dq   = -(ds / ell) s^2 dE/dq + chance                          ds: metres of hand travel
 //! ```
 //! `c` is the comfortable posture, `s` how far a joint strays from it willingly, `M` the horizontal lever
-//! arms of the segments' weights about shoulder and L5/S1; a, b, c, s are the person's own. There is no
-//! usual posture for a place, so that nothing of the learner's pull is in it.
+//! arms of the segments' weights, and of a load in the hands, about each shoulder and about the pelvis;
+//! `k` the flexion of the knees of somebody whose hips are `d` leg lengths lower than upright. a, b, c, e,
+//! s are the person's own: one stoops, another squats. There is no usual posture for a place, so that
+//! nothing of the learner's pull is in it.
 
 use super::Frame;
 use super::follow::{Law, Moment};
 use crate::files::InputError;
-use crate::human::{Body, Side};
-use crate::kinematics::{Frames, Linkage, Tip};
+use crate::human::{Body, PELVIS_JOINTS, Pelvis};
+use crate::kinematics::{Frames, Linkage};
+use crate::math::Vec3;
 use crate::math::stream::{Purpose, normals, stream};
-use crate::math::{Pose, Vec3};
+use crate::posture::Grips;
 use nalgebra::{DMatrix, DVector, Matrix6xX};
 use rand_chacha::ChaCha8Rng;
 
@@ -26,6 +30,12 @@ const TRUNK: f64 = 0.50;
 /// its willing distance: an arm stretched out level, and a trunk bent by about 30 deg.
 const SHOULDER_MOMENT: f64 = 0.007;
 const BACK_MOMENT: f64 = 0.05;
+/// Squared sine of half the flexion of knees that counts like one, too: bent by 60 deg.
+const KNEES_BENT: f64 = 0.25;
+/// Where among the joints the height of the hips is, of somebody whose pelvis moves.
+const UP: usize = 1;
+/// How far a pelvis that moves strays willingly: forward, up, right (leg lengths), then its turns, deg.
+const PELVIS_STRAYS: [f64; 6] = [0.04, 0.08, 0.03, 14.0, 4.0, 6.0];
 /// Hand travel over which the effort falls to a third of what can be saved, m.
 const SAVE_M: f64 = 0.15;
 /// How people differ: standard deviation of the logarithm of weights and of willing distances.
@@ -45,45 +55,60 @@ pub(super) struct Effort {
     /// s^2, n, rad^2.
     stray_squared: DVector<f64>,
     ease: DMatrix<f64>,
+    /// Arms that hold on; in the chain's tips come their hands, then shoulder and elbow of each, the
+    /// chest, and the pelvis where it moves.
+    arms: usize,
+    is_whole: bool,
+    /// What each hand carries, over the body's weight.
+    load: f64,
     shoulder: f64,
     back: f64,
+    knees: f64,
 }
 
-/// Tips of the chain, in their order.
-const SHOULDER: usize = 1;
-const ELBOW: usize = 2;
-const CHEST: usize = 3;
-const HAND: usize = 0;
+/// A point and its Jacobian, 6 x n, weighted alike.
+type Point = (Vec3, Matrix6xX<f64>);
 
 impl Effort {
     /// A person of a number.
     ///
     /// # Errors
     /// Never for a body that loaded.
-    pub(super) fn draw(
-        body: &Body,
-        side: Side,
-        frame: &Frame,
-        number: u64,
-    ) -> Result<Self, InputError> {
-        let of = |link: &str| Tip::link(&format!("{}{link}", side.prefix()));
-        let tips = [Tip::link(side.grip()), of("UpperArm"), of("ForeArm"), Tip::link("T8")];
-        let chain = Linkage::new(&body.model, "Pelvis", &tips)
-            .map_err(|e| InputError::new(&body.name, e.to_string()))?;
+    pub(super) fn draw(body: &Body, frame: &Frame, number: u64) -> Result<Self, InputError> {
+        let coupled = frame.contacts.coupled;
+        let sides = coupled.hands.sides();
+        let is_whole = coupled.pelvis == Pelvis::Moves;
+        let mut links = Vec::new();
+        for side in sides {
+            links.extend(["UpperArm", "ForeArm"].map(|link| format!("{}{link}", side.prefix())));
+        }
+        links.push("T8".to_owned());
+        if is_whole {
+            links.push("Pelvis".to_owned());
+        }
+        let chain = body.chain(coupled, &links.iter().map(String::as_str).collect::<Vec<_>>())?;
         let n = frame.joints.len();
         let mut rng = stream(number, Purpose::Simulation, 10, 0);
-        let z = normals(&mut rng, n + 2);
-        let stray_squared = DVector::from_fn(n, |i, _| {
-            frame.usual.covariance[(i, i)] * (2.0 * STRAY_DIFFERS * z[i]).exp()
-        });
+        let z = normals(&mut rng, n + 3);
+        let variance = |i: usize| match PELVIS_JOINTS.iter().position(|p| *p == frame.joints[i]) {
+            Some(p) if p < 3 => PELVIS_STRAYS[p].powi(2),
+            Some(p) => PELVIS_STRAYS[p].to_radians().powi(2),
+            None => frame.usual.covariance[(i, i)],
+        };
+        let stray_squared =
+            DVector::from_fn(n, |i, _| variance(i) * (2.0 * STRAY_DIFFERS * z[i]).exp());
         Ok(Self {
             chain,
             stature_m: body.size.stature_m,
             comfort: frame.usual.mean.clone(),
             ease: DMatrix::from_diagonal(&stray_squared),
             stray_squared,
+            arms: sides.len(),
+            is_whole,
+            load: frame.contacts.load_kg / body.size.mass_kg / sides.len() as f64,
             shoulder: (WEIGHT_DIFFERS * z[n]).exp() / SHOULDER_MOMENT.powi(2),
             back: (WEIGHT_DIFFERS * z[n + 1]).exp() / BACK_MOMENT.powi(2),
+            knees: (WEIGHT_DIFFERS * z[n + 2]).exp() / KNEES_BENT,
         })
     }
 
@@ -106,27 +131,80 @@ impl Effort {
         self.chain.forward(q.as_slice(), frames);
         let at =
             |tip: usize| (self.chain.tip_frame(frames, tip).0, self.chain.jacobian(frames, tip));
-        let ((hand, j_hand), (shoulder, j_shoulder)) = (at(HAND), at(SHOULDER));
-        let ((elbow, j_elbow), (chest, j_chest)) = (at(ELBOW), at(CHEST));
-        // Middles of upper arm and forearm; the trunk's weight at the chest.
+        let mut gradient = (q - comfort).component_div(&self.stray_squared);
+        let mut about_back: Option<Point> = None;
+        for hand in 0..self.arms {
+            let [shoulder, elbow] = self.arm(hand);
+            let (arm, about_shoulder) = self.moments([at(hand), at(shoulder), at(elbow)]);
+            gradient += level(&about_shoulder) * (self.shoulder / self.stature_m.powi(2));
+            about_back = Some(match about_back {
+                None => arm,
+                Some(other) => (other.0 + arm.0, other.1 + arm.1),
+            });
+        }
+        if let Some(arms) = about_back {
+            let (chest, j_chest) = at(self.chest());
+            let trunk = self.trunk();
+            let mut about_back = (arms.0 + chest * trunk, &arms.1 + &j_chest * trunk);
+            if self.is_whole {
+                let (pelvis, j_pelvis) = at(self.chest() + 1);
+                let all = trunk + self.arms as f64 * self.arm_weight();
+                about_back = (about_back.0 - pelvis * all, about_back.1 - j_pelvis * all);
+            }
+            gradient += level(&about_back) * (self.back / self.stature_m.powi(2));
+        }
+        if self.is_whole {
+            gradient[UP] -= self.knees * (1.0 - lower(q)) * f64::from(u8::from(lower(q) > 0.0));
+        }
+        gradient
+    }
+
+    /// Tips of the shoulder and the elbow of the arm of a hand.
+    fn arm(&self, hand: usize) -> [usize; 2] {
+        let shoulder = self.arms + 2 * hand;
+        [shoulder, shoulder + 1]
+    }
+
+    fn chest(&self) -> usize {
+        3 * self.arms
+    }
+
+    /// Weight of the trunk with what hangs on it, over the body's.
+    fn trunk(&self) -> f64 {
+        TRUNK - (self.arms - 1) as f64 * (UPPER_ARM + FOREARM)
+    }
+
+    /// The same of an arm with what its hand carries.
+    fn arm_weight(&self) -> f64 {
+        UPPER_ARM + FOREARM + self.load
+    }
+
+    /// Moments of an arm's weights about the origin and about its shoulder, from hand, shoulder and elbow.
+    fn moments(
+        &self,
+        [(hand, j_hand), (shoulder, j_shoulder), (elbow, j_elbow)]: [Point; 3],
+    ) -> (Point, Point) {
+        // Middles of upper arm and forearm.
         let upper = ((shoulder + elbow) * 0.5, (&j_shoulder + &j_elbow) * 0.5);
         let fore = ((elbow + hand) * 0.5, (&j_elbow + &j_hand) * 0.5);
-        let arm =
+        let mut arm =
             (upper.0 * UPPER_ARM + fore.0 * FOREARM, &upper.1 * UPPER_ARM + &fore.1 * FOREARM);
-        let about_shoulder = (
-            arm.0 - shoulder * (UPPER_ARM + FOREARM),
-            &arm.1 - &j_shoulder * (UPPER_ARM + FOREARM),
-        );
-        let about_back = (arm.0 + chest * TRUNK, &arm.1 + &j_chest * TRUNK);
-        let mut gradient = (q - comfort).component_div(&self.stray_squared);
-        gradient += level(&about_shoulder) * (self.shoulder / self.stature_m.powi(2));
-        gradient += level(&about_back) * (self.back / self.stature_m.powi(2));
-        gradient
+        if self.load > 0.0 {
+            arm = (arm.0 + hand * self.load, arm.1 + j_hand * self.load);
+        }
+        let weight = self.arm_weight();
+        let about_shoulder = (arm.0 - shoulder * weight, &arm.1 - &j_shoulder * weight);
+        (arm, about_shoulder)
     }
 }
 
-/// Gradient of half the squared horizontal part of a moment (pelvis frame, y up), n.
-fn level((moment, jacobian): &(Vec3, Matrix6xX<f64>)) -> DVector<f64> {
+/// How much lower than upright the hips are, leg lengths.
+fn lower(q: &DVector<f64>) -> f64 {
+    (-q[UP]).clamp(0.0, 1.0)
+}
+
+/// Gradient of half the squared horizontal part of a moment (rest frame, y up), n.
+fn level((moment, jacobian): &Point) -> DVector<f64> {
     (jacobian.row(0) * moment.x + jacobian.row(2) * moment.z).transpose()
 }
 
@@ -157,7 +235,7 @@ impl Law for Repetition<'_> {
         &self.person.ease
     }
 
-    fn settled(&mut self, start: &DVector<f64>, _hand: &Pose) -> DVector<f64> {
+    fn settled(&mut self, start: &DVector<f64>, _: &Grips) -> DVector<f64> {
         // A few steps downhill from where they were drawn.
         let mut q = start.clone();
         for _ in 0..6 {
@@ -170,38 +248,61 @@ impl Law for Repetition<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Contacts;
     use super::*;
+    use crate::human::{Hands, Side};
+
+    /// The effort written down from points alone.
+    fn effort(person: &Effort, q: &DVector<f64>) -> f64 {
+        let mut frames = Frames::default();
+        person.chain.forward(q.as_slice(), &mut frames);
+        let at = |tip: usize| person.chain.tip_frame(&frames, tip).0;
+        let squared = |m: Vec3| (m.x * m.x + m.z * m.z) / person.stature_m.powi(2);
+        let strayed = (q - &person.comfort).component_div(&person.stray_squared.map(f64::sqrt));
+        let mut sum = 0.5 * strayed.norm_squared();
+        let hips = if person.is_whole { at(person.chest() + 1) } else { Vec3::zeros() };
+        let mut back = (at(person.chest()) - hips) * person.trunk();
+        for hand in 0..person.arms {
+            let [shoulder, elbow] = person.arm(hand).map(at);
+            let arm = |from: Vec3| {
+                (shoulder + elbow - from * 2.0) * (0.5 * UPPER_ARM)
+                    + (elbow + at(hand) - from * 2.0) * (0.5 * FOREARM)
+                    + (at(hand) - from) * person.load
+            };
+            sum += 0.5 * person.shoulder * squared(arm(shoulder));
+            back += arm(hips);
+        }
+        let knees = if person.is_whole { lower(q) * (2.0 - lower(q)) } else { 0.0 };
+        sum + 0.5 * person.back * squared(back) + 0.5 * person.knees * knees
+    }
 
     #[test]
     fn the_gradient_is_that_of_the_effort() {
         let body = Body::load("male_p50", std::path::Path::new(".")).unwrap();
-        let frame = Frame::draw(&body, Side::Right, 4).unwrap();
-        let person = Effort::draw(&body, Side::Right, &frame, 4).unwrap();
-        let mut frames = Frames::default();
-        let mut effort = |q: &DVector<f64>| {
-            person.chain.forward(q.as_slice(), &mut frames);
-            let at = |tip: usize| person.chain.tip_frame(&frames, tip).0;
-            let (u, f) = (at(SHOULDER) + at(ELBOW), at(ELBOW) + at(HAND));
-            let arm = u * (0.5 * UPPER_ARM) + f * (0.5 * FOREARM);
-            let shoulder = arm - at(SHOULDER) * (UPPER_ARM + FOREARM);
-            let back = arm + at(CHEST) * TRUNK;
-            let squared = |m: Vec3| (m.x * m.x + m.z * m.z) / person.stature_m.powi(2);
-            let strayed = (q - &person.comfort).component_div(&person.stray_squared.map(f64::sqrt));
-            0.5 * (strayed.norm_squared()
-                + person.shoulder * squared(shoulder)
-                + person.back * squared(back))
-        };
-        let q =
-            &person.comfort + DVector::from_fn(24, |i, _| 0.02 * f64::from(i as u32 % 7) - 0.05);
-        let gradient = person.gradient(&q, &person.comfort, &mut Frames::default());
-        for i in 0..24 {
-            let moved = |h: f64| {
-                let mut near = q.clone();
-                near[i] += h;
-                near
-            };
-            let slope = (effort(&moved(1e-5)) - effort(&moved(-1e-5))) / 2e-5;
-            assert!((slope - gradient[i]).abs() < 1e-5 * (1.0 + slope.abs()), "{i}: {slope}");
+        for contacts in [
+            Contacts::arm(Side::Right),
+            Contacts::whole(Hands::Right, 1.0),
+            Contacts::whole(Hands::Both, 3.0),
+        ] {
+            let frame = Frame::draw(&body, contacts, 4).unwrap();
+            let person = Effort::draw(&body, &frame, 4).unwrap();
+            let n = frame.joints.len();
+            let strayed = DVector::from_fn(n, |i, _| 0.02 * f64::from(i as u32 % 7) - 0.05);
+            let mut q = &person.comfort + strayed;
+            if person.is_whole {
+                q[UP] = -0.2;
+            }
+            let gradient = person.gradient(&q, &person.comfort, &mut Frames::default());
+            for i in 0..n {
+                let moved = |h: f64| {
+                    let mut near = q.clone();
+                    near[i] += h;
+                    effort(&person, &near)
+                };
+                let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                let error = (slope - gradient[i]).abs();
+                assert!(error < 1e-5 * (1.0 + slope.abs()), "{i} of {n}: {slope}");
+            }
         }
     }
 }

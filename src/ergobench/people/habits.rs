@@ -5,11 +5,11 @@
 //! travel, and is mixed with where the body has been of late. A repetition that starts between the two
 //! heights keeps the habit of its neighbours.
 
-use super::Frame;
 use super::follow::{Law, Moment};
 use super::places::Places;
-use crate::math::Pose;
+use super::{Frame, middle};
 use crate::math::stream::{Purpose, normals, stream};
+use crate::posture::Grips;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 
@@ -54,10 +54,10 @@ impl Habits {
         let shift = &spread * DVector::from_vec(normals(&mut rng, spread.ncols())) * SHIFT;
         let change_at = CHANGE_AT + CHANGE_DIFFERS * normals(&mut rng, 1)[0];
         let places = [
-            Places::draw(low, &low.usual.covariance, &(low.spread()? * WHIM), 2 * number)?,
-            Places::draw(high, &high.usual.covariance, &(&spread * WHIM), 2 * number + 1)?,
+            Places::draw(low, &low.ease, &(low.spread()? * WHIM), 2 * number)?,
+            Places::draw(high, &high.ease, &(&spread * WHIM), 2 * number + 1)?,
         ];
-        let eases = [low.usual.covariance.clone(), high.usual.covariance.clone()];
+        let eases = [low.ease.clone(), high.ease.clone()];
         let stature_m = high.coupling.stature_m();
         Some(Self { places, eases, shift, spread, stature_m, change_at })
     }
@@ -100,7 +100,7 @@ struct Repetition<'a> {
 }
 
 impl Repetition<'_> {
-    fn usual(&self, hand: &Pose) -> DVector<f64> {
+    fn usual(&self, hand: &Grips) -> DVector<f64> {
         let [low, high] = &self.person.places;
         low.at(hand) * (1.0 - self.part)
             + high.at(hand) * self.part
@@ -109,8 +109,8 @@ impl Repetition<'_> {
     }
 
     /// Changes the habit beyond the heights.
-    fn look(&mut self, hand: &Pose) {
-        let up = hand.translation.y / self.person.stature_m - self.person.change_at;
+    fn look(&mut self, hand: &Grips) {
+        let up = middle(hand).y / self.person.stature_m - self.person.change_at;
         if up.abs() > HALF_GAP {
             self.is_high = up > 0.0;
         }
@@ -131,7 +131,7 @@ impl Law for Repetition<'_> {
         let most = at.travel_m / CHANGE_OVER_M;
         self.part += (aim - self.part).clamp(-most, most);
         if at.travel_m > 0.0 {
-            let slope = (at.to.translation.y - at.from.translation.y) / at.travel_m;
+            let slope = (middle(&at.to).y - middle(&at.from).y) / at.travel_m;
             self.direction += (slope - self.direction) * (at.travel_m / DIRECTION_M).min(1.0);
         }
         let [low, high] = &self.person.eases;
@@ -146,7 +146,7 @@ impl Law for Repetition<'_> {
         &self.ease
     }
 
-    fn settled(&mut self, start: &DVector<f64>, hand: &Pose) -> DVector<f64> {
+    fn settled(&mut self, start: &DVector<f64>, hand: &Grips) -> DVector<f64> {
         self.look(hand);
         self.part = if self.is_high { 1.0 } else { 0.0 };
         self.ease = self.person.eases[usize::from(self.is_high)].clone();

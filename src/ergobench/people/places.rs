@@ -1,24 +1,41 @@
 //! Usual postures by place: a coarse grid of the person's own postures, linear in between.
 //!
-//! No kernel and no features of a learner: height, reach and side of the hand over stature. Each grid
-//! point has the comfortable posture for a hand there plus a whim of the person's own, so that the map
-//! has kinks, and over all places the postures are far from Gaussian. The turn of the hand does not
-//! matter. Beyond the grid the posture of its border counts.
+//! No kernel and no features of a learner: height, reach and side of the hand over stature; of two hands
+//! of the middle between them. Each grid point has the comfortable posture for a hand there plus a whim of
+//! the person's own, so that the map has kinks, and over all places the postures are far from Gaussian.
+//! The turn of the hand does not matter. Beyond the grid the posture of its border counts.
 
-use super::Frame;
+use super::{Frame, middle};
+use crate::math::Vec3;
 use crate::math::stream::{Purpose, normals, stream};
-use crate::math::{Pose, Vec3};
-use crate::posture::{PostureDistribution, StartRule, start_postures};
+use crate::posture::{Grips, PostureDistribution, StartRule, start_postures};
 use nalgebra::{DMatrix, DVector};
 
-/// Grid of the hand's place in the pelvis frame over stature: up, forward, sideways (outward).
-const UP: [f64; 4] = [-0.10, 0.04, 0.18, 0.34];
-const FORWARD: [f64; 3] = [0.15, 0.23, 0.33];
-const SIDEWAYS: [f64; 3] = [-0.10, 0.08, 0.26];
+/// Grid of the hand's place in the rest frame over stature: up, forward, sideways (outward).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    up: &'static [f64],
+    forward: &'static [f64],
+    sideways: &'static [f64],
+}
+
+/// What an arm reaches from a pelvis that rests, what one reaches of somebody who bends down, and two.
+pub(super) const ARM: Grid = Grid {
+    up: &[-0.10, 0.04, 0.18, 0.34],
+    forward: &[0.15, 0.23, 0.33],
+    sideways: &[-0.10, 0.08, 0.26],
+};
+pub(super) const WHOLE: Grid = Grid {
+    up: &[-0.36, -0.28, -0.19, -0.10, 0.04, 0.18, 0.34],
+    forward: &[0.18, 0.26, 0.34],
+    ..ARM
+};
+pub(super) const CRATE: Grid = Grid { sideways: &[-0.10, 0.0, 0.10], ..WHOLE };
 
 /// The usual postures of somebody.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
+    grid: Grid,
     stature_m: f64,
     /// +1 for a right hand, -1 for a left one.
     outward: f64,
@@ -35,20 +52,21 @@ impl Places {
         whims: &DMatrix<f64>,
         number: u64,
     ) -> Option<Self> {
-        let Frame { coupling, usual, grip, outward, .. } = frame;
+        let Frame { coupling, usual, contacts, outward, .. } = frame;
         let (stature_m, outward) = (coupling.stature_m(), *outward);
+        let grid = contacts.grid();
         let mut found: Vec<(Vec3, Option<DVector<f64>>)> = Vec::new();
-        for up in UP {
-            for forward in FORWARD {
-                for sideways in SIDEWAYS {
+        for &up in grid.up {
+            for &forward in grid.forward {
+                for &sideways in grid.sideways {
                     let at = Vec3::new(forward, up, outward * sideways);
                     let mut rng = stream(number, Purpose::Simulation, 8, found.len() as u32);
                     let z = DVector::from_vec(normals(&mut rng, whims.ncols()));
                     let wish = &usual.mean + whims * z;
                     let near = PostureDistribution::anywhere(wish, ease.clone());
-                    let hand = Pose::from_parts((at * stature_m).into(), *grip);
+                    let grips = contacts.grips(at * stature_m);
                     let starts =
-                        start_postures(coupling, &near, &StartRule::Mean, hand, (0, 0), 0..1);
+                        start_postures(coupling, &near, &StartRule::Mean, grips, (0, 0), 0..1);
                     found.push((at, starts.into_iter().next().and_then(|s| s.q)));
                 }
             }
@@ -65,21 +83,22 @@ impl Places {
         };
         let postures: Option<Vec<DVector<f64>>> =
             found.into_iter().map(|(at, q)| q.or_else(|| nearest(&at))).collect();
-        Some(Self { stature_m, outward, postures: postures? })
+        Some(Self { grid, stature_m, outward, postures: postures? })
     }
 
-    /// The usual posture with the hand at a pose (pelvis frame), n, rad.
-    pub(super) fn at(&self, hand: &Pose) -> DVector<f64> {
-        let place = hand.translation.vector / self.stature_m;
+    /// The usual posture with the hands somewhere (rest frame), n, rad.
+    pub(super) fn at(&self, grips: &Grips) -> DVector<f64> {
+        let place = middle(grips) / self.stature_m;
+        let Grid { up, forward, sideways } = self.grid;
         let cells =
-            [cell(&UP, place.y), cell(&FORWARD, place.x), cell(&SIDEWAYS, self.outward * place.z)];
+            [cell(up, place.y), cell(forward, place.x), cell(sideways, self.outward * place.z)];
         let mut posture = DVector::zeros(self.postures[0].len());
         for corner in 0..8 {
             let (mut share, mut index) = (1.0, 0);
             for (axis, (low, part)) in cells.iter().enumerate() {
                 let is_high = corner >> axis & 1;
                 share *= if is_high == 1 { *part } else { 1.0 - part };
-                index = index * [1, FORWARD.len(), SIDEWAYS.len()][axis] + low + is_high;
+                index = index * [1, forward.len(), sideways.len()][axis] + low + is_high;
             }
             posture.axpy(share, &self.postures[index], 1.0);
         }
@@ -97,20 +116,22 @@ fn cell(grid: &[f64], value: f64) -> (usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Pose;
 
     #[test]
     fn postures_are_linear_between_grid_points_and_constant_beyond() {
-        let count = UP.len() * FORWARD.len() * SIDEWAYS.len();
+        let grid = ARM;
+        let count = grid.up.len() * grid.forward.len() * grid.sideways.len();
         let mut index = 0;
         let postures = (0..count).map(|i| DVector::from_element(1, i as f64)).collect();
-        let places = Places { stature_m: 2.0, outward: -1.0, postures };
+        let places = Places { grid, stature_m: 2.0, outward: -1.0, postures };
         let at = |up: f64, forward: f64, sideways: f64| {
             let hand = Pose::translation(2.0 * forward, 2.0 * up, -2.0 * sideways);
-            places.at(&hand)[0]
+            places.at(&hand.into())[0]
         };
-        for up in UP {
-            for forward in FORWARD {
-                for sideways in SIDEWAYS {
+        for &up in grid.up {
+            for &forward in grid.forward {
+                for &sideways in grid.sideways {
                     assert!((at(up, forward, sideways) - f64::from(index)).abs() < 1e-9);
                     index += 1;
                 }

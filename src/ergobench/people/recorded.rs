@@ -11,8 +11,9 @@
 use super::follow::{Law, Moment};
 use super::places::Places;
 use super::{Frame, parts};
-use crate::math::Pose;
+use crate::human::PELVIS_JOINTS;
 use crate::math::stream::{Purpose, normals, stream};
+use crate::posture::Grips;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 
@@ -25,9 +26,27 @@ const SYNERGIES: [&[(&str, usize, f64)]; 5] = [
     &[("L5S1", 0, -0.6), ("L4L3", 0, -0.4), ("L1T12", 0, -0.3), ("T9T8", 0, -0.3)],
     &[("L5S1", 2, 0.4), ("L4L3", 2, 0.3), ("L1T12", 2, 0.3), ("T9T8", 2, 0.3)],
 ];
-/// What every joint gives way beside them, deg.
+/// The same of somebody who bends down and carries: squatting, stooping and turning, pelvis first; each
+/// coordinate by name, displacements in leg lengths.
+const WHOLE: [&[(&str, f64)]; 3] = [
+    &[("pelvis_up", -0.09), ("pelvis_forward", -0.03), ("jPelvis_Z", -9.0), ("jL5S1_Z", -2.0)],
+    &[
+        ("jPelvis_Z", -15.0),
+        ("pelvis_forward", -0.04),
+        ("jL5S1_Z", -4.0),
+        ("jL4L3_Z", -2.5),
+        ("jL1T12_Z", -2.0),
+        ("jT9T8_Z", -1.5),
+    ],
+    &[("jPelvis_Y", 5.0), ("pelvis_right", 0.02), ("jL5S1_Y", 3.0), ("jL1T12_Y", 2.0)],
+];
+/// How the size of these differs between people: who rather squats, and who stoops.
+const WAY_DIFFERS: f64 = 0.4;
+/// What every joint gives way beside them, deg; a pelvis that moves, leg lengths and deg.
 const FLOOR_ARM_DEG: f64 = 4.0;
 const FLOOR_TRUNK_DEG: f64 = 0.3;
+const FLOOR_PELVIS: f64 = 0.004;
+const FLOOR_PELVIS_DEG: f64 = 0.6;
 /// How synergies differ between people: standard deviation of the logarithm of a whole one's size,
 /// and of each joint's share relative to it.
 const SIZE_DIFFERS: f64 = 0.2;
@@ -57,7 +76,12 @@ impl Recorded {
         let synergies = synergies(frame, number);
         let floor = frame.joints.iter().map(|j| {
             let is_arm = ["Shoulder", "Elbow", "Wrist"].contains(&parts(j).0);
-            if is_arm { FLOOR_ARM_DEG } else { FLOOR_TRUNK_DEG }.to_radians().powi(2)
+            let floor = match PELVIS_JOINTS.iter().position(|p| p == j) {
+                Some(p) if p < 3 => FLOOR_PELVIS,
+                Some(_) => FLOOR_PELVIS_DEG.to_radians(),
+                None => if is_arm { FLOOR_ARM_DEG } else { FLOOR_TRUNK_DEG }.to_radians(),
+            };
+            floor.powi(2)
         });
         let floor = DVector::from_iterator(frame.joints.len(), floor);
         let ease = &synergies * synergies.transpose() + DMatrix::from_diagonal(&floor);
@@ -77,16 +101,30 @@ impl Recorded {
     }
 }
 
+/// n x r, rad and leg lengths. Two arms do as mirror images do.
 fn synergies(frame: &Frame, number: u64) -> DMatrix<f64> {
     let mut rng = stream(number, Purpose::Simulation, 9, 0);
-    let mut all = DMatrix::zeros(frame.joints.len(), SYNERGIES.len());
+    let whole = if frame.contacts.is_whole() { &WHOLE[..] } else { &[] };
+    let mut all = DMatrix::zeros(frame.joints.len(), SYNERGIES.len() + whole.len());
     for (k, synergy) in SYNERGIES.iter().enumerate() {
         let z = normals(&mut rng, synergy.len() + 1);
         for (i, (joint, axis, deg)) in synergy.iter().enumerate() {
             let share = 1.0 + SHARE_DIFFERS * z[i + 1];
-            let mirror = if *axis > 0 { frame.outward } else { 1.0 };
-            if let Some(row) = frame.joints.iter().position(|j| parts(j) == (joint, *axis)) {
+            let rows = frame.joints.iter().enumerate();
+            for (row, own) in rows.filter(|(_, j)| parts(j) == (joint, *axis)) {
+                let mirror = if *axis > 0 { frame.outward_of(own) } else { 1.0 };
                 all[(row, k)] = mirror * deg.to_radians() * share * (SIZE_DIFFERS * z[0]).exp();
+            }
+        }
+    }
+    for (k, way) in whole.iter().enumerate() {
+        let z = normals(&mut rng, way.len() + 1);
+        for (i, (joint, amount)) in way.iter().enumerate() {
+            let size = (1.0 + SHARE_DIFFERS * z[i + 1]) * (WAY_DIFFERS * z[0]).exp();
+            let is_place = PELVIS_JOINTS[..3].contains(joint);
+            let amount = if is_place { *amount } else { amount.to_radians() };
+            if let Some(row) = frame.joints.iter().position(|j| j == joint) {
+                all[(row, SYNERGIES.len() + k)] = amount * size;
             }
         }
     }
@@ -121,7 +159,7 @@ impl Law for Repetition<'_> {
         &self.person.ease
     }
 
-    fn settled(&mut self, start: &DVector<f64>, hand: &Pose) -> DVector<f64> {
+    fn settled(&mut self, start: &DVector<f64>, hand: &Grips) -> DVector<f64> {
         let usual = self.person.places.at(hand);
         self.offset = (start - &usual) * (KEPT * self.size);
         usual + &self.offset

@@ -9,8 +9,8 @@
 use super::Frame;
 use super::follow::{Law, Moment};
 use super::places::Places;
-use crate::math::Pose;
 use crate::math::stream::{Purpose, normals, stream};
+use crate::posture::Grips;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 
@@ -38,8 +38,8 @@ impl Relaxer {
         let spread = frame.spread()?;
         let z = normals(&mut stream(number, Purpose::Simulation, 12, 0), 1)[0];
         Some(Self {
-            places: Places::draw(frame, &frame.usual.covariance, &(&spread * WHIM), number)?,
-            ease: frame.usual.covariance.clone(),
+            places: Places::draw(frame, &frame.ease, &(&spread * WHIM), number)?,
+            ease: frame.ease.clone(),
             spread,
             rate_per_s: RATE_PER_S * (RATE_DIFFERS * z).exp(),
         })
@@ -76,7 +76,7 @@ impl Law for Repetition<'_> {
         &self.person.ease
     }
 
-    fn settled(&mut self, start: &DVector<f64>, _hand: &Pose) -> DVector<f64> {
+    fn settled(&mut self, start: &DVector<f64>, _: &Grips) -> DVector<f64> {
         start.clone()
     }
 }
