@@ -52,9 +52,9 @@ fn people(cells: &[Cell]) {
     let mut shown = comfy_table::Table::new();
     shown.load_style(presets::NOTHING);
     shown.set_header(["", "cells", "participation rank", "rms joint speed"]);
-    for kind in Kind::ALL {
-        let own: Vec<_> =
-            cells.iter().filter(|c| c.kind == kind).filter_map(|c| c.demonstrated).collect();
+    for (kind, is_whole) in [false, true].into_iter().flat_map(|w| Kind::ALL.map(|k| (k, w))) {
+        let own = cells.iter().filter(|c| c.kind == kind && c.family.is_whole() == is_whole);
+        let own: Vec<_> = own.filter_map(|c| c.demonstrated).collect();
         if own.is_empty() {
             continue;
         }
@@ -62,11 +62,13 @@ fn people(cells: &[Cell]) {
         let speed = mean(&own.iter().map(|d| d.joint_speed_deg_s).collect::<Vec<_>>());
         let count = own.len().to_string();
         let (rank, speed) = (format!("{rank:.1}"), format!("{speed:.0} deg/s"));
-        shown.add_row([kind.name().to_owned(), count, rank, speed]);
+        let name = if is_whole { "whole, " } else { "" }.to_owned() + kind.name();
+        shown.add_row([name, count, rank, speed]);
     }
     right(&mut shown, 1);
     say!(
-        "\nPeople: joint velocities in their demonstrations (recorded people: 3.0 to 3.2, 18 to 25 deg/s)"
+        "\nPeople: joint velocities in their demonstrations (recorded arms: 3.0 to 3.2, 18 to 25 deg/s; of whole\n\
+         people with the pelvis, a leg length counting like a radian)"
     );
     say!("{}", shown.trim_fmt());
 }

@@ -59,3 +59,51 @@ fn a_misspelt_family_is_refused() {
         .code(2)
         .stderr(predicates::str::contains("bench"));
 }
+
+/// Two hands and a whole body, with a planner that hardly searches.
+#[test]
+fn a_crate_is_lifted_with_both_hands_whatever_the_number_of_threads() {
+    let room = tempfile::tempdir().unwrap();
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/planners/quick.toml");
+    let mut planner = std::fs::read_to_string(shipped).unwrap();
+    for (from, to) in [
+        ("population = 12", "population = 6"),
+        ("generations = 8", "generations = 2"),
+        ("baseline_generations = 2", "baseline_generations = 1"),
+        ("steps = 50", "steps = 30"),
+        ("rollouts_most = 8", "rollouts_most = 4"),
+        ("rollouts_final = 32", "rollouts_final = 12"),
+    ] {
+        let changed = planner.replacen(from, to, 1);
+        assert_ne!(changed, planner, "{from}");
+        planner = changed;
+    }
+    let file = room.path().join("tiny.toml");
+    std::fs::write(&file, planner).unwrap();
+    let results = ["1", "2"].map(|threads| {
+        let folder = room.path().join(threads);
+        ergopath()
+            .args(["bench", "--quick", "--families", "two-handed,deep-bin", "--seed", "7"])
+            .args(["--repetitions", "24", "--threads", threads, "--planner"])
+            .arg(&file)
+            .arg("-o")
+            .arg(&folder)
+            .assert()
+            .success()
+            .stdout(predicates::str::contains("two-handed lift"));
+        std::fs::read_to_string(folder.join("result.json")).unwrap()
+    });
+    assert!(results[0] == results[1], "the result depends on the number of threads");
+    let result: Value = serde_json::from_str(&results[0]).unwrap();
+    let cells = result["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 4);
+    for cell in cells {
+        assert!(cell["failure"].is_null(), "{cell}");
+        let outcomes = cell["outcomes"].as_array().unwrap();
+        for planner in ["ergopath", "straight", "oracle"] {
+            let own = outcomes.iter().find(|o| o["planner"] == planner);
+            let own = own.unwrap_or_else(|| panic!("{planner}: {cell}"));
+            assert!(own["reach_exceeded"].as_f64().unwrap() < 0.5, "{own}");
+        }
+    }
+}
