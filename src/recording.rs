@@ -1,5 +1,5 @@
-//! Recorded movements: MVNX exports, Acclaim motions and rigid-body CSV folders become one neutral
-//! type.
+//! Recorded movements: MVNX exports, BVH files, Acclaim motions and rigid-body CSV folders become one
+//! neutral type.
 //!
 //! A [`Recording`] holds segment poses of one person in ISB segment axes, whatever the file used.
 //! The axes of every segment are x forward, y up (towards the proximal joint of a hanging limb) and
@@ -11,7 +11,9 @@
 
 mod acclaim;
 mod axes;
+mod bvh;
 mod checks;
+mod lines;
 mod mvnx;
 mod mvnx_parse;
 mod remark;
@@ -31,7 +33,7 @@ use std::path::Path;
 pub struct Recording {
     /// Name of the file or folder read, without its path.
     pub source: String,
-    /// `MVNX v3`, `MVNX v4`, `Acclaim ASF/AMC` or `rigid-body CSV`.
+    /// `MVNX v3`, `MVNX v4`, `BVH`, `Acclaim ASF/AMC` or `rigid-body CSV`.
     pub format: &'static str,
     /// SHA-256 of the bytes read; of a folder: of the person's files joined in order of their names;
     /// of an Acclaim motion: of its skeleton and itself joined.
@@ -76,8 +78,8 @@ impl Recording {
     }
 }
 
-/// Reads a recording: an `.mvnx` file (version 3 or 4), an `.amc` file with its skeleton, or a folder
-/// of rigid-body CSV files.
+/// Reads a recording: an `.mvnx` file (version 3 or 4), a `.bvh` file, an `.amc` file with its skeleton,
+/// or a folder of rigid-body CSV files.
 ///
 /// The skeleton of `X.amc` is `X.asf` beside it, or the only .asf there whose name `X` begins with.
 /// `person` picks one of several people in a folder and may be left out if there is only one; a file
@@ -91,7 +93,8 @@ pub fn read(path: &Path, person: Option<&str>) -> Result<Recording, InputError> 
     match (extension.as_str(), person) {
         ("mvnx", None) => mvnx::read(path),
         ("amc", None) => acclaim::read(path),
-        ("mvnx" | "amc", Some(name)) => Err(InputError::new(
+        ("bvh", None) => bvh::read(path),
+        ("mvnx" | "amc" | "bvh", Some(name)) => Err(InputError::new(
             path,
             format!("holds one unnamed person, so person `{name}` cannot be picked"),
         )
@@ -102,7 +105,7 @@ pub fn read(path: &Path, person: Option<&str>) -> Result<Recording, InputError> 
 
 /// Why a file of no known kind is not read.
 fn refusal(path: &Path, extension: &str) -> InputError {
-    let known = "known are .mvnx files (version 3 or 4), .amc files with their .asf, and folders of \
+    let known = "known are .mvnx files (version 3 or 4), .bvh files, .amc files with their .asf, and folders of \
                  rigid-body CSV files named <person>_<body>_pose_saved.csv";
     if !path.exists() {
         return InputError::new(path, "cannot be read: no such file or folder")
@@ -136,7 +139,7 @@ mod tests {
     fn unknown_kinds_are_refused_with_a_remedy() {
         let room = tempfile::tempdir().unwrap();
         for (name, expected) in [
-            ("walk.bvh", "`.bvh` is no kind"),
+            ("walk.fbx", "`.fbx` is no kind"),
             ("walk", "no extension"),
             ("giver_hip_pose_saved.csv", "one body"),
             ("walk.mvn", "binary format"),
@@ -148,7 +151,7 @@ mod tests {
             assert!(error.message().contains(expected), "{error}");
             assert!(error.help().is_some());
         }
-        let error = read(&room.path().join("none.bvh"), None).unwrap_err();
+        let error = read(&room.path().join("none.fbx"), None).unwrap_err();
         assert!(error.message().contains("no such file"), "{error}");
         assert!(read(&room.path().join("none.mvnx"), None).is_err());
         let error = read(&room.path().join("none.mvnx"), Some("Ann")).unwrap_err();

@@ -15,7 +15,7 @@ use crate::words::number::percent;
 use std::path::Path;
 
 const KNOWN: &str = "known are scenarios, planners and people (TOML), bodies and robots (URDF), posture models and results \
-                     (JSON), recordings (MVNX, AMC, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
+                     (JSON), recordings (MVNX, BVH, AMC, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
 
 /// A file in words.
 pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
@@ -29,7 +29,7 @@ pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
         "yaml" | "yml" => trajectory(path),
         "urdf" => urdf(path),
         "csv" => table(path),
-        "mvnx" | "mvn" | "amc" | "asf" => Ok(recording(&read(path, None)?)),
+        "mvnx" | "mvn" | "bvh" | "amc" | "asf" => Ok(recording(&read(path, None)?)),
         _ => {
             read_bytes(path)?;
             Err(InputError::new(path, "is no kind of file that ergopath knows").remedy(KNOWN))

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Recordings of one person: MVNX files, AMC files with their ASF, folders of rigid-body CSV
+    /// Recordings of one person: MVNX and BVH files, AMC files with their ASF, folders of rigid-body CSV
     /// files, or joint-motion CSV files; or a TOML file that names several people.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,

@@ -3,30 +3,21 @@
 mod amc;
 mod anatomy;
 mod asf;
-mod lines;
 mod skeleton;
 
 use self::anatomy::Anatomy;
-use self::lines::Fault;
-use self::skeleton::{Channel, Skeleton};
-use super::axes::{NEXT, zxy_angles};
-use super::checks::{make_continuous, note_oddities};
+use self::skeleton::Skeleton;
+use super::axes::NEXT;
+use super::checks::{make_continuous, note_oddities, still_collar_bones, turned_leg};
 use super::{Recording, Remark, SegmentTrack, bare_name};
 use crate::files::{InputError, read_bytes, sha256_hex};
 use crate::math::Vec3;
-use nalgebra::UnitQuaternion;
-use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Rate (Hz) of a motion whose name does not end with one; the files do not hold it.
 const USUAL_RATE_HZ: f64 = 120.0;
 /// Hip to ankle at rest (m) outside of which lengths are in another unit.
 const LEG_M: std::ops::RangeInclusive<f64> = 0.4..=1.3;
-/// Extension (rad) beyond which a knee bends forwards rather than is straight.
-const FORWARDS: f64 = 0.5;
-/// Largest turn of a collar bone (rad) that counts as none.
-const STILL: f64 = 1e-3;
-
 /// Reads a motion and the skeleton beside it.
 pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
     let motion = read_bytes(path)?;
@@ -35,9 +26,9 @@ pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
     // Latin letters in comments are common, and no word that counts holds any.
     let skeleton = asf::parse(&String::from_utf8_lossy(&bytes))
         .and_then(|skeleton| Ok((Anatomy::new(&skeleton)?, skeleton)));
-    let (anatomy, skeleton) = skeleton.map_err(|fault| error(&skeleton_path, fault))?;
-    let frames = amc::parse(&String::from_utf8_lossy(&motion), &skeleton)
-        .map_err(|fault| error(path, fault))?;
+    let (anatomy, skeleton) = skeleton.map_err(|fault| fault.of(&skeleton_path))?;
+    let frames =
+        amc::parse(&String::from_utf8_lossy(&motion), &skeleton).map_err(|fault| fault.of(path))?;
     bytes.extend_from_slice(&motion);
     let (rate_hz, is_named) = rate(path);
     let lengths = segment_lengths(&anatomy, &skeleton);
@@ -50,7 +41,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
     }
     let mut segments = tracks(&anatomy, &skeleton, &frames);
     let mut remarks = conventions(rate_hz, is_named, &bare_name(&skeleton_path), leg_m);
-    remarks.extend(still_collar_bones(&skeleton, &frames));
+    remarks.extend(still_collar_bones(&segments));
     remarks.extend(["Right", "Left"].into_iter().filter_map(|s| turned_leg(&mut segments, s)));
     let mut recording = Recording {
         source: bare_name(path),
@@ -63,14 +54,6 @@ pub(super) fn read(path: &Path) -> Result<Recording, InputError> {
     };
     note_oddities(&mut recording);
     Ok(recording)
-}
-
-fn error(path: &Path, fault: Fault) -> InputError {
-    let message = match fault.line {
-        Some(line) => format!("line {line}: {}", fault.message),
-        None => fault.message,
-    };
-    InputError::new(path, message).remedy(fault.remedy)
 }
 
 /// The skeleton of a motion: of the same name, or else the only one in the folder whose name the
@@ -150,23 +133,6 @@ fn conventions(rate_hz: f64, is_named: bool, skeleton: &str, leg_m: f64) -> Vec<
     ]
 }
 
-/// A note where the collar bones take no part in the movement.
-fn still_collar_bones(skeleton: &Skeleton, frames: &[Vec<f64>]) -> Option<Remark> {
-    let collar = |name: &str| skeleton.find(name).map(|i| &skeleton.bones[i]);
-    let mut values = ["rclavicle", "lclavicle"].into_iter().filter_map(collar).flat_map(|bone| {
-        let turns = bone.channels.iter().enumerate();
-        let turns = turns.filter(|(_, channel)| matches!(channel, Channel::Turn(_)));
-        turns.flat_map(move |(i, _)| frames.iter().map(move |frame| frame[bone.first + i].abs()))
-    });
-    values.all(|turn| turn < STILL).then(|| {
-        Remark::new(
-            "collar bones",
-            "the collar bones stand still in the skeleton: shoulders that rise or come forward are \
-             not seen",
-        )
-    })
-}
-
 /// One track for every segment.
 fn tracks(anatomy: &Anatomy, skeleton: &Skeleton, frames: &[Vec<f64>]) -> Vec<SegmentTrack> {
     let empty = |name: &str| SegmentTrack {
@@ -187,40 +153,6 @@ fn tracks(anatomy: &Anatomy, skeleton: &Skeleton, frames: &[Vec<f64>]) -> Vec<Se
         make_continuous(&mut track.rotation);
     }
     tracks
-}
-
-/// Turns a leg back that a recording holds half a turn round about its own length.
-///
-/// Thigh and shank turned by half a turn about their own axes, and a knee that bends as much the other
-/// way, leave every joint where it was: what solves markers for angles may end in either, mostly in
-/// deep squats. A knee that bends forwards tells which.
-fn turned_leg(segments: &mut [SegmentTrack], side: &str) -> Option<Remark> {
-    let place = |part: &str| segments.iter().position(|s| s.name == format!("{side}{part}"));
-    let (thigh, shank) = (place("UpperLeg")?, place("LowerLeg")?);
-    let half = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), PI);
-    let mut count = 0;
-    for frame in 0..segments[thigh].rotation.len() {
-        let knee = segments[thigh].rotation[frame].inverse() * segments[shank].rotation[frame];
-        // ISB: a knee flexes by turning against z.
-        if zxy_angles(&knee)[0] < FORWARDS {
-            continue;
-        }
-        for part in [thigh, shank] {
-            segments[part].rotation[frame] *= half;
-        }
-        count += 1;
-    }
-    for part in [thigh, shank] {
-        make_continuous(&mut segments[part].rotation);
-    }
-    (count > 0).then(|| {
-        let side = side.to_lowercase();
-        let text = format!(
-            "the {side} knee bends forwards in {count} frames: thigh and shank were turned half round \
-             about their own lengths there, which moves no joint"
-        );
-        Remark::new(format!("{side} knee forwards"), text).of_size(f64::from(count))
-    })
 }
 
 /// Distances between joint centres in the rest pose. Hands have none: their bones end at markers on

@@ -1,5 +1,7 @@
 //! The constant rotations that bring each format's segment axes into ISB anatomical axes.
 
+use crate::math::Vec3;
+use crate::math::pose::rotation_from_axes;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use std::f64::consts::FRAC_PI_2;
 
@@ -82,6 +84,31 @@ pub(super) fn rigid_body_from_isb(segment: &str) -> Option<UnitQuaternion<f64>> 
     Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)))
 }
 
+/// From a file's world axes to those of a recording: turned in a cycle until the vertical one (0, 1, 2:
+/// x, y, z) is z.
+pub(super) fn upright(vertical: usize) -> UnitQuaternion<f64> {
+    let mut images = [Vec3::zeros(); 3];
+    for (i, image) in [Vec3::x(), Vec3::y(), Vec3::z()].into_iter().enumerate() {
+        images[(vertical + 1 + i) % 3] = image;
+    }
+    let [x, y, z] = images;
+    rotation_from_axes(x, y, z)
+}
+
+/// Axes of a limb that lies along a unit vector: y against it, z as near as can be to the one given;
+/// none where that one tells nothing.
+pub(super) fn along_limb(along: &Vec3, near_z: &Vec3) -> Option<UnitQuaternion<f64>> {
+    let y = -along;
+    let z = square(near_z, &y)?;
+    Some(rotation_from_axes(y.cross(&z), y, z))
+}
+
+/// The part of a vector that is square to a unit axis, made a unit; none where little is left.
+pub(super) fn square(vector: &Vec3, axis: &Vec3) -> Option<Vec3> {
+    let unit = vector.try_normalize(0.0)?;
+    (unit - axis * axis.dot(&unit)).try_normalize(0.1)
+}
+
 /// Angles (rad) `[z, x, y]` of `R = Rz Rx Ry` for the rotation of a child segment in its parent.
 ///
 /// At a right elbow: flexion, carrying angle, pronation; at a left one x and y change sign. The
@@ -93,7 +120,6 @@ pub fn zxy_angles(child_in_parent: &UnitQuaternion<f64>) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
     use approx::assert_relative_eq;
 
     #[test]

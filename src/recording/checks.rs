@@ -2,8 +2,10 @@
 
 use super::axes::{SEGMENT_NAMES, zxy_angles};
 use super::{Recording, Remark, SegmentTrack};
+use crate::math::Vec3;
 use crate::math::pose::rotation_between;
 use nalgebra::{Quaternion, UnitQuaternion};
+use std::f64::consts::PI;
 
 /// Deviation of a quaternion's norm from one beyond which it is refused.
 const NORM_TOLERANCE: f64 = 0.05;
@@ -13,6 +15,10 @@ const JUMP_SPEED: f64 = 25.0;
 const JUMP_TURN: f64 = 60.0;
 /// Carrying angle (deg) above which an elbow is no longer close to a hinge.
 const CARRYING_LIMIT_DEG: f64 = 30.0;
+/// Extension (rad) beyond which a knee bends forwards rather than is straight.
+const FORWARDS: f64 = 0.5;
+/// Largest turn of a collar bone in the trunk (rad) that counts as none.
+const STILL: f64 = 1e-3;
 
 /// A unit quaternion from its four numbers; the norm in error where it is not near one.
 pub(super) fn unit(w: f64, x: f64, y: f64, z: f64) -> Result<UnitQuaternion<f64>, f64> {
@@ -90,10 +96,60 @@ fn elbow(recording: &Recording, side: &str) -> Option<Remark> {
     })
 }
 
+/// A note where the collar bones take no part in the movement.
+pub(super) fn still_collar_bones(segments: &[SegmentTrack]) -> Option<Remark> {
+    let track = |name: &str| segments.iter().find(|s| s.name == name);
+    let trunk = track("T8")?;
+    let is_still = |collar: &SegmentTrack| {
+        trunk.rotation.iter().zip(&collar.rotation).all(|(t, c)| t.angle_to(c) < STILL)
+    };
+    let (right, left) = (track("RightShoulder")?, track("LeftShoulder")?);
+    (is_still(right) && is_still(left)).then(|| {
+        Remark::new(
+            "collar bones",
+            "the collar bones stand still in the skeleton: shoulders that rise or come forward are \
+             not seen",
+        )
+    })
+}
+
+/// Turns a leg back that a recording holds half a turn round about its own length.
+///
+/// Thigh and shank turned by half a turn about their own axes, and a knee that bends as much the other
+/// way, leave every joint where it was: what solves markers for angles may end in either, mostly in
+/// deep squats. A knee that bends forwards tells which.
+pub(super) fn turned_leg(segments: &mut [SegmentTrack], side: &str) -> Option<Remark> {
+    let place = |part: &str| segments.iter().position(|s| s.name == format!("{side}{part}"));
+    let (thigh, shank) = (place("UpperLeg")?, place("LowerLeg")?);
+    let half = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), PI);
+    let mut count = 0;
+    for frame in 0..segments[thigh].rotation.len() {
+        let knee = segments[thigh].rotation[frame].inverse() * segments[shank].rotation[frame];
+        // ISB: a knee flexes by turning against z.
+        if zxy_angles(&knee)[0] < FORWARDS {
+            continue;
+        }
+        for part in [thigh, shank] {
+            segments[part].rotation[frame] *= half;
+        }
+        count += 1;
+    }
+    for part in [thigh, shank] {
+        make_continuous(&mut segments[part].rotation);
+    }
+    (count > 0).then(|| {
+        let side = side.to_lowercase();
+        let text = format!(
+            "the {side} knee bends forwards in {count} frames: thigh and shank were turned half round \
+             about their own lengths there, which moves no joint"
+        );
+        Remark::new(format!("{side} knee forwards"), text).of_size(f64::from(count))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
 
     #[test]
     fn norms_far_from_one_and_no_numbers_are_refused() {

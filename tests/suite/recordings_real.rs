@@ -82,6 +82,64 @@ fn mvnx_joint_angles_are_those_of_the_file() {
     }
 }
 
+/// Largest turn between a joint of two recordings and its 95th percentile over time, deg; the second lacks
+/// the first frames of the first.
+fn apart(a: &Recording, b: &Recording, parent: &str, child: &str) -> [f64; 2] {
+    let late = a.frames() - b.frames();
+    let turn = |r: &Recording, i: usize| {
+        let [p, c] = [parent, child].map(|n| r.segment(n).unwrap().rotation[i]);
+        p.inverse() * c
+    };
+    let gap = |i: usize| turn(a, i + late).angle_to(&turn(b, i)).to_degrees();
+    let gaps: Vec<f64> = (0..b.frames()).map(gap).collect();
+    [1.0, 0.95].map(|p| quantile(&gaps, p))
+}
+
+const LEGS: [(&str, &str); 8] = [
+    ("Pelvis", "RightUpperLeg"),
+    ("RightUpperLeg", "RightLowerLeg"),
+    ("RightLowerLeg", "RightFoot"),
+    ("RightFoot", "RightToe"),
+    ("Pelvis", "LeftUpperLeg"),
+    ("LeftUpperLeg", "LeftLowerLeg"),
+    ("LeftLowerLeg", "LeftFoot"),
+    ("LeftFoot", "LeftToe"),
+];
+
+#[test]
+fn one_take_has_the_same_joint_angles_as_mvnx_and_as_bvh() {
+    let Some(path) = shared("xsens_mvnx/v4_upper_body_60hz.mvnx") else { return };
+    let Some(same) = shared("xsens_mvnx/v4_upper_body_60hz.bvh") else { return };
+    let (mvnx, bvh) = (read(&path, None).unwrap(), read(&same, None).unwrap());
+    assert_eq!((bvh.format, bvh.rate_hz, bvh.segments.len()), ("BVH", 60.0, 23));
+    // The first frame of the BVH is the rest pose.
+    assert_eq!((mvnx.frames(), bvh.frames()), (112, 111));
+    println!("{:?}", bvh.remarks);
+    let arms_and_trunk = JOINTS.iter().map(|(parent, child, _)| (*parent, *child));
+    for (parent, child) in arms_and_trunk.chain(LEGS) {
+        let [largest, p95] = apart(&mvnx, &bvh, parent, child);
+        println!("{child:14} in {parent:14}: at most {largest:.4}, p95 {p95:.4} deg");
+        assert!(p95 < 0.5, "{child} in {parent}: {p95} deg");
+        // Only bones that lie a little askew in the zero pose differ.
+        assert!(largest < 0.06, "{child} in {parent}: {largest} deg");
+    }
+    for (name, length) in &bvh.segment_lengths_m {
+        let there = mvnx.length_m(name).unwrap();
+        assert!((length - there).abs() < 1.2e-3, "{name}: {length} m, there {there} m");
+    }
+    // From the pelvis, the wrists of rigid bones are where the shoulders shift in the MVNX.
+    for hand in ["RightHand", "LeftHand"] {
+        let from_pelvis = |r: &Recording, i: usize| {
+            let [p, h] = ["Pelvis", hand].map(|n| r.segment(n).unwrap());
+            p.rotation[i].inverse() * (h.position[i] - p.position[i])
+        };
+        let gap = |i: usize| (from_pelvis(&mvnx, i + 1) - from_pelvis(&bvh, i)).norm();
+        let worst = (0..bvh.frames()).map(gap).fold(0.0, f64::max);
+        println!("{hand}: {:.2} mm", worst * 1e3);
+        assert!(worst < 3e-3, "{hand}: {worst} m");
+    }
+}
+
 /// The zero of MVNX 3 is palms forward: with its axes turned to ISB and nothing else, thumb sides
 /// point outwards (right: +z) and little fingers inwards, as in the anatomical pose.
 #[test]

@@ -1,7 +1,7 @@
 //! The text of a motion (`.amc`), checked against its skeleton.
 
-use super::lines::{Fault, Line, lines, shown};
 use super::skeleton::{Channel, Skeleton};
+use crate::recording::lines::{Fault, Line, lines, shown};
 
 const WHOLE: &str = "copy or export the motion again, with every bone in every frame";
 const PAIR: &str = "does the motion belong to this skeleton?";

@@ -18,10 +18,11 @@
 //! `lowerback` and `upperback` is shared out: L3 takes half its turn and begins at two thirds of
 //! `lowerback`, T12 is `upperback` from its first third on.
 
-use super::lines::{Fault, shown};
 use super::skeleton::{Channel, Placed, Skeleton};
 use crate::math::Vec3;
 use crate::math::pose::{rotation_between, rotation_from_axes};
+use crate::recording::axes::{along_limb, square, upright};
+use crate::recording::lines::{Fault, shown};
 use nalgebra::{UnitQuaternion, UnitVector3};
 
 /// Segment, the bones between whose turns its own lies halfway, the bone on which it begins and the
@@ -93,7 +94,7 @@ impl Anatomy {
             parts.push(Part { name, turns, begin, share, axes });
         }
         let hips = [rest.find("rfemur")?, rest.find("lfemur")?];
-        Ok(Self { parts, hips, to_world: rest.to_world() })
+        Ok(Self { parts, hips, to_world: upright(rest.vertical) })
     }
 
     /// The pose of a segment: its proximal joint centre (m) and the rotation of its axes, in the
@@ -161,16 +162,6 @@ impl<'a> Rest<'a> {
             .ok_or_else(|| Fault::whole(format!("the bone `{name}` has no length"), BONES))
     }
 
-    /// The file's axes turned in a cycle until the vertical one is z.
-    fn to_world(&self) -> UnitQuaternion<f64> {
-        let mut images = [Vec3::zeros(); 3];
-        for (i, image) in [Vec3::x(), Vec3::y(), Vec3::z()].into_iter().enumerate() {
-            images[(self.vertical + 1 + i) % 3] = image;
-        }
-        let [x, y, z] = images;
-        rotation_from_axes(x, y, z)
-    }
-
     /// Segment axes (ISB) in the rest pose.
     fn axes(&self, segment: &str) -> Result<UnitQuaternion<f64>, Fault> {
         let (side, part, outwards) = match segment.strip_prefix("Right") {
@@ -232,17 +223,9 @@ impl<'a> Rest<'a> {
 
     /// Axes of a limb: y against the bone, z as near as can be to the one given.
     fn hanging(&self, bone: &str, near_z: &Vec3) -> Result<UnitQuaternion<f64>, Fault> {
-        let y = -self.along(bone)?;
-        let z = square(near_z, &y).ok_or_else(|| {
+        along_limb(&self.along(bone)?, near_z).ok_or_else(|| {
             let message = format!("nothing tells how `{}` is turned about itself", shown(bone));
             Fault::whole(message, REST)
-        })?;
-        Ok(rotation_from_axes(y.cross(&z), y, z))
+        })
     }
-}
-
-/// The part of a vector that is square to an axis, made a unit; none where little is left.
-fn square(vector: &Vec3, axis: &Vec3) -> Option<Vec3> {
-    let unit = vector.try_normalize(0.0)?;
-    (unit - axis * axis.dot(&unit)).try_normalize(0.1)
 }

@@ -3,9 +3,9 @@
 //! Only what a recording needs is kept: `:units`, `:root`, `:bonedata` and `:hierarchy`. Names of
 //! people, documentation, masses, limits and skins are passed over.
 
-use super::lines::{Fault, Line, lines, shown};
 use super::skeleton::{Bone, Channel, Skeleton, turned};
 use crate::math::Vec3;
+use crate::recording::lines::{Fault, Line, lines, shown};
 use nalgebra::UnitQuaternion;
 
 /// The unit of length before it is divided by `length`, m.

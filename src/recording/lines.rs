@@ -1,5 +1,7 @@
-//! The two Acclaim texts as lines of words, and what is wrong in one of them.
+//! Motion files that are lines of words, and what is wrong in one of them.
 
+use crate::files::InputError;
+use std::path::Path;
 use std::str::SplitWhitespace;
 
 /// What no angle and no length of a person reaches in any unit.
@@ -23,6 +25,15 @@ impl Fault {
     pub(super) fn whole(message: impl Into<String>, remedy: &'static str) -> Self {
         Self { line: None, message: message.into(), remedy }
     }
+
+    /// The fault as an error of a file.
+    pub(super) fn of(self, path: &Path) -> InputError {
+        let message = match self.line {
+            Some(line) => format!("line {line}: {}", self.message),
+            None => self.message,
+        };
+        InputError::new(path, message).remedy(self.remedy)
+    }
 }
 
 /// A line that is not empty: its number from 1, its first word, and the words after it.
@@ -43,13 +54,10 @@ impl Line<'_> {
         let Some(word) = self.rest.next() else {
             return Err(self.fault(format!("`{}` lacks a number", shown(self.first)), remedy));
         };
-        match word.parse::<f64>() {
-            Ok(value) if value.abs() <= LARGEST => Ok(value),
-            _ => {
-                let message = format!("`{}`: `{}` is no number", shown(self.first), shown(word));
-                Err(self.fault(message, remedy))
-            }
-        }
+        number(word).ok_or_else(|| {
+            let message = format!("`{}`: `{}` is no number", shown(self.first), shown(word));
+            self.fault(message, remedy)
+        })
     }
 
     /// The next three words as such numbers.
@@ -69,4 +77,9 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
 /// A word as shown in errors: garbage can be long.
 pub(super) fn shown(word: &str) -> String {
     word.chars().take(40).collect()
+}
+
+/// A word as a number of a sane size.
+pub(super) fn number(word: &str) -> Option<f64> {
+    word.parse::<f64>().ok().filter(|value| value.abs() <= LARGEST)
 }
