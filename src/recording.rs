@@ -14,12 +14,14 @@ mod axes;
 mod bvh;
 mod checks;
 mod lines;
+mod markers;
 mod mvnx;
 mod mvnx_parse;
 mod remark;
 mod rigid_bodies;
 
 pub use axes::{SEGMENT_NAMES, zxy_angles};
+pub use markers::{Markers, read_markers};
 pub use remark::{Remark, grouped};
 pub use rigid_bodies::{RIGID_BODY_RATE_HZ, read_rigid_bodies};
 
@@ -116,6 +118,8 @@ fn refusal(path: &Path, extension: &str) -> InputError {
             .remedy("give the folder that holds the CSV files of all bodies instead"),
         "mvn" => InputError::new(path, "is a recording in its maker's own binary format")
             .remedy("export it as MVNX with position and orientation of the segments"),
+        "c3d" | "trc" => InputError::new(path, "holds markers, not the segments of a person")
+            .remedy("let the capture program solve its skeleton, and export that as MVNX or BVH"),
         "asf" => InputError::new(path, "is a skeleton without its motion")
             .remedy("give the .amc file beside it"),
         "" => InputError::new(path, "has no extension that tells its kind").remedy(known),
@@ -144,6 +148,8 @@ mod tests {
             ("giver_hip_pose_saved.csv", "one body"),
             ("walk.mvn", "binary format"),
             ("walk.asf", "without its motion"),
+            ("walk.c3d", "holds markers"),
+            ("walk.TRC", "holds markers"),
         ] {
             let path = room.path().join(name);
             std::fs::write(&path, b"x").unwrap();

@@ -29,7 +29,7 @@ pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
         "yaml" | "yml" => trajectory(path),
         "urdf" => urdf(path),
         "csv" => table(path),
-        "mvnx" | "mvn" | "bvh" | "amc" | "asf" => Ok(recording(&read(path, None)?)),
+        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" => Ok(recording(&read(path, None)?)),
         _ => {
             read_bytes(path)?;
             Err(InputError::new(path, "is no kind of file that ergopath knows").remedy(KNOWN))
