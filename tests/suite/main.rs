@@ -14,6 +14,7 @@ mod common;
 mod skips;
 
 mod agreement;
+mod bvh_cli;
 mod check_cli;
 mod compare_cli;
 mod docs;
