@@ -43,8 +43,8 @@ const STRAIGHT_DAMPING: f64 = 1e-5;
 const SETTLED: f64 = 1e-10;
 const MOST_TRIES: usize = 60;
 
-/// Halvings of a leg's length: to less than a micrometre.
-const BISECTIONS: usize = 24;
+/// Halvings of a leg's length: to rounding.
+const BISECTIONS: usize = 44;
 
 /// Angles of one leg, rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
