@@ -13,7 +13,7 @@ use crate::ergonomics::{
 };
 use crate::files::InputError;
 use crate::human::{
-    Balance, Body, Coupled, Head, LegPosture, Legs, PosedSkeleton, Segment, Side, Skeleton, Stance,
+    Balance, Body, Coupled, Head, LegPosture, PosedSkeleton, Segment, Side, Skeleton, Stance,
 };
 use crate::kinematics::{Frames, Linkage};
 use crate::math::{Pose, Rotation, Vec3};
@@ -292,7 +292,14 @@ impl Surveyor {
         let legs = parts.skeleton.legs();
         let angles = LegAngles::of(&parts.skeleton.leg_postures(q.as_slice()), legs.hang());
         let mut frames = Frames::default();
-        let margin_m = self.margin_m(q, &mut frames);
+        self.chain.forward(q.as_slice(), &mut frames);
+        let margin_m = legs.is_standing().then(|| {
+            let pelvis = parts.skeleton.pelvis(q.as_slice());
+            let turn = *pelvis.rotation.to_rotation_matrix().matrix();
+            let bending = legs.bending(&pelvis.translation.vector, &turn);
+            let centre = self.balance.centre((&self.chain, &frames), (legs, &bending));
+            self.balance.margin_m(&centre, angles.heels_deg.to_radians())
+        });
         let l5s1_nm = GRAVITY * self.balance.lever_kg_m(&self.chain, &frames);
         PostureAngles {
             necks,
@@ -303,21 +310,6 @@ impl Surveyor {
             margin_m,
             l5s1_nm,
         }
-    }
-
-    /// How far the centre of mass of somebody who stands is inside the feet in a posture (n, rad, leg lengths),
-    /// m; negative outside. `frames`: of the coupled chain there.
-    pub fn margin_m(&self, q: &DVector<f64>, frames: &mut Frames) -> Option<f64> {
-        let skeleton = &self.upper.skeleton;
-        let legs = skeleton.legs();
-        self.chain.forward(q.as_slice(), frames);
-        legs.is_standing().then(|| {
-            let pelvis = skeleton.pelvis(q.as_slice());
-            let turn = *pelvis.rotation.to_rotation_matrix().matrix();
-            let bending = legs.bending(&pelvis.translation.vector, &turn);
-            let centre = self.balance.centre((&self.chain, frames), (legs, &bending));
-            self.balance.margin_m(&centre, Legs::heel(&bending))
-        })
     }
 
     /// Trunk, and head in line with it.

@@ -1,19 +1,19 @@
 //! A person at the workstation: a body, where it stands, and its way of moving.
 
 use super::near::{ArmAlong, Closest};
-use super::repetitions::{Repetition, Repetitions};
+use super::repetitions::{Repetition, Repetitions, Walked};
 use super::result::{PosePicture, RolloutTable};
-use super::walking::{Walk, Walked};
+use super::walking::{Walk, seen_from};
 use crate::files::InputError;
 use crate::human::{
-    Body, BodyPart, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin, column_of,
-    column_unit, mirror_sign, mirrored_pose,
+    Body, BodyPart, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin, Pelvis,
+    Stance, column_of, column_unit, mirror_sign, mirrored_pose,
 };
 use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
     Behaviour, Certain, Coupling, Feet, Footing, Grips, Hold, Mixture, Modelled, PostureLaw, Start,
-    StartRule, low_place, start_postures,
+    StartRule, Stepper, low_place, start_postures,
 };
 use crate::robot::{Robot, stick};
 use crate::scenario::{Scenario, Variant};
@@ -150,6 +150,28 @@ impl<'a> Person<'a> {
         (rest, starts.into_iter().map(own).collect())
     }
 
+    /// Somebody who steps as recorded people stood; none where the scenario keeps the feet in their place.
+    pub(super) fn stepper(&self) -> Option<Stepper<'_>> {
+        self.standing().filter(|_| self.scenario.worker.may_step)
+    }
+
+    /// Where recorded people would stand; none of who sits or rests, or where it was not recorded.
+    fn standing(&self) -> Option<Stepper<'_>> {
+        let worker = &self.scenario.worker;
+        let stands = matches!(worker.stance, Stance::Standing { .. });
+        let moves = worker.pelvis == Pelvis::Moves;
+        let place = worker.model.standing.as_ref().filter(|_| stands && moves)?;
+        Stepper::new(place, self.coupling.stature_m(), worker.hands == Hands::Both)
+    }
+
+    /// Grips along a path as the mean person's feet see them.
+    pub(super) fn seen_on_average(&self, time_s: &[f64], grips: &[Grips]) -> Vec<Grips> {
+        let feet = self.stepper().and_then(|stepper| {
+            stepper.feet((time_s, grips), self.coupling.hold(), &stepper.surely(), &[])
+        });
+        feet.map_or_else(|| grips.to_vec(), |feet| seen_from(&feet, grips))
+    }
+
     /// Where each repetition comes nearest to the arm; `numbers`: theirs.
     pub(super) fn closest(
         &self,
@@ -231,7 +253,8 @@ impl<'a> Person<'a> {
         let heads = numbers.clone().map(|r| self.head(block, r, is_sure)).collect();
         let mixture = self.mixture(path, behaviour);
         let walk = Walk {
-            person: self,
+            coupling: &self.coupling,
+            stepper: self.standing().map(|s| (s, self.scenario.worker.may_step)),
             behaviour,
             rule: mirrored.as_ref().unwrap_or(rule),
             time_s: &path.time_s,

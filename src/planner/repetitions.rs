@@ -1,13 +1,15 @@
 //! Repetitions of one body along one path, with the angles of every frame.
 
-use super::walking::Walked;
 use crate::math::Pose;
-use crate::posture::{Feet, Footing, Mixture, Rollout, Start};
+use crate::posture::{Feet, Footing, Mixture, Repeated, Rollout, Start};
 use crate::survey::{HeadDraw, PostureAngles, Surveyor};
 use rayon::prelude::*;
 
 /// Length by which a rotation of the hand counts as travel, m/rad.
 const ROTATION_LENGTH_M: f64 = 0.3;
+/// Distance of the centre of mass from the edge of the feet at which a person is taken to stand at the edge, m;
+/// the step solver holds it 1 cm inside.
+pub(super) const AT_EDGE_M: f64 = 0.015;
 /// Hand travel below which a path has no length to speak of, m.
 const SHORTEST_M: f64 = 1e-6;
 
@@ -28,6 +30,16 @@ impl Repetition {
         let at = self.feet.as_ref().and_then(|feet| feet.at.get(k).or(feet.at.last()));
         at.copied().unwrap_or_default()
     }
+}
+
+/// What was repeated: one of each for each repetition.
+pub(super) struct Walked {
+    pub starts: Vec<Start>,
+    pub repeated: Repeated,
+    /// None where the feet stay where the scenario has them.
+    pub feet: Vec<Option<Feet>>,
+    /// Whether a person whose feet must stay would set them elsewhere.
+    pub would_step: Vec<bool>,
 }
 
 /// From where a repetition starts, where its feet are, and whether they would be elsewhere.

@@ -3,7 +3,7 @@
 
 use super::cell_findings::SOFT_M;
 use super::person::Person;
-use super::repetitions::{Repetition, Repetitions};
+use super::repetitions::{AT_EDGE_M, Repetition, Repetitions};
 use super::result::{BodyStrain, FurnitureClearance, ModeShare, Spread, StepsTaken};
 use crate::ergonomics::{
     LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftTask, assess_lift,
@@ -22,9 +22,6 @@ use rayon::prelude::*;
 const BENT_DEG: f64 = 60.0;
 /// Lifts a minute where nothing is given: seldom.
 const SELDOM_PER_MIN: f64 = 0.2;
-/// Distance of the centre of mass from the edge of the feet at which a person is taken to stand at the edge, m;
-/// the step solver holds it 1 cm inside.
-pub(super) const AT_EDGE_M: f64 = 0.015;
 /// Moments of a movement at which the body is held against the obstacles.
 const MOMENTS: usize = 32;
 

@@ -4,16 +4,13 @@
 //! the hand: the same one, seen from where the feet then are. Where reach or balance end all the same, the
 //! repetition is tried again with a step shortly before that.
 
-use super::person::Person;
-use super::strain::AT_EDGE_M;
-use crate::human::{Hands, Pelvis, Stance};
+use super::repetitions::{AT_EDGE_M, Walked};
 use crate::kinematics::Frames;
 use crate::math::stream::{Purpose, stream};
 use crate::posture::{
-    Behaviour, Feet, Grips, Mixture, Repeated, Rollout, STEP_S, StandingDraw, Start, StartRule,
-    Stepper,
+    Behaviour, Coupling, Feet, Grips, Mixture, Repeated, Rollout, STEP_S, StandingDraw, Start,
+    StartRule, Stepper,
 };
-use crate::survey::Surveyor;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -24,7 +21,9 @@ const MOST_TRIES: usize = 3;
 
 /// A hand path of the model's side, and who follows it how.
 pub(super) struct Walk<'a> {
-    pub person: &'a Person<'a>,
+    pub coupling: &'a Coupling,
+    /// Where recorded people would stand, and whether these may go there; none where nothing is known of that.
+    pub stepper: Option<(Stepper<'a>, bool)>,
     pub behaviour: &'a dyn Behaviour,
     pub rule: &'a StartRule,
     pub time_s: &'a [f64],
@@ -32,16 +31,6 @@ pub(super) struct Walk<'a> {
     pub grips: &'a [Grips],
     pub mixture: Option<&'a Mixture>,
     pub block: (u64, u32),
-}
-
-/// What was repeated: one of each for each repetition.
-pub(super) struct Walked {
-    pub starts: Vec<Start>,
-    pub repeated: Repeated,
-    /// None where the feet stay where the scenario has them.
-    pub feet: Vec<Option<Feet>>,
-    /// Whether a person whose feet must stay would set them elsewhere.
-    pub would_step: Vec<bool>,
 }
 
 /// One repetition.
@@ -59,14 +48,14 @@ impl One {
     }
 
     /// The first sample at which the hand is lost, or the body at the edge of balance over feet that stand.
-    fn trouble(&self, surveyor: &Surveyor, time_s: &[f64]) -> Option<usize> {
+    fn trouble(&self, coupling: &Coupling, time_s: &[f64]) -> Option<usize> {
         let mut frames = Frames::default();
         let stands = |k: &usize| {
             let since = time_s[*k] - time_s[0];
             self.feet.as_ref().is_none_or(|f| !f.steps_at(since))
         };
         let is_at_edge = |k: &usize| {
-            let margin = surveyor.margin_m(&self.rollout.q[*k], &mut frames);
+            let margin = coupling.margin_m(&self.rollout.q[*k], &mut frames);
             margin.is_some_and(|m| m < AT_EDGE_M)
         };
         (0..self.reached()).filter(stands).find(is_at_edge).or(self.rollout.reach_exceeded_at)
@@ -79,13 +68,13 @@ impl Walk<'_> {
         let drawn = |stepper: &Stepper| -> Vec<StandingDraw> {
             numbers.clone().map(|r| self.drawn(stepper, r, is_sure)).collect()
         };
-        if let Some(stepper) = self.person.stepper() {
-            return self.stepping(&stepper, numbers.clone(), &drawn(&stepper));
-        }
-        let would_step = match self.person.standing() {
-            Some(stepper) => {
-                let would = |d: &StandingDraw| self.feet(&stepper, d, &[]).is_some();
-                drawn(&stepper).par_iter().map(would).collect()
+        let would_step = match &self.stepper {
+            Some((stepper, true)) => {
+                return self.stepping(stepper, numbers.clone(), &drawn(stepper));
+            }
+            Some((stepper, false)) => {
+                let would = |d: &StandingDraw| self.feet(stepper, d, &[]).is_some();
+                drawn(stepper).par_iter().map(would).collect()
             }
             None => vec![false; numbers.len()],
         };
@@ -106,7 +95,7 @@ impl Walk<'_> {
 
     /// Repetitions along some grips, the feet where these are seen from.
     fn follow(&self, grips: &[Grips], numbers: Range<usize>) -> (Vec<Start>, Repeated) {
-        let coupling = &self.person.coupling;
+        let coupling = self.coupling;
         let first = numbers.start;
         let (mixture, rule) = (self.mixture, self.rule);
         let starts = self.behaviour.starts(coupling, &grips[0], mixture, rule, self.block, numbers);
@@ -156,7 +145,7 @@ impl Walk<'_> {
     }
 
     fn feet(&self, stepper: &Stepper, drawn: &StandingDraw, forced: &[f64]) -> Option<Feet> {
-        let hold = self.person.coupling.hold();
+        let hold = self.coupling.hold();
         stepper.feet((self.time_s, self.grips), hold, drawn, forced)
     }
 
@@ -174,7 +163,7 @@ impl Walk<'_> {
 
     /// With a step before reach or balance end, as long as they then last longer.
     fn tried_again(&self, mut one: One, r: usize, who: (&Stepper, &StandingDraw)) -> One {
-        let trouble = |one: &One| one.trouble(&self.person.surveyor, self.time_s);
+        let trouble = |one: &One| one.trouble(self.coupling, self.time_s);
         let mut forced: Vec<f64> = Vec::new();
         let mut ends = trouble(&one);
         for _ in 0..MOST_TRIES {
@@ -198,36 +187,12 @@ impl Walk<'_> {
 }
 
 /// A path as it is seen from feet that step.
-fn seen_from(feet: &Feet, grips: &[Grips]) -> Vec<Grips> {
+pub(super) fn seen_from(feet: &Feet, grips: &[Grips]) -> Vec<Grips> {
     let seen = |(at, grips): (&crate::posture::Footing, &Grips)| {
         let to = at.pose().inverse();
         grips.map(|g| to * g)
     };
     feet.at.iter().zip(grips).map(seen).collect()
-}
-
-impl Person<'_> {
-    /// Somebody who steps as recorded people stood; none where the scenario keeps the feet in their place.
-    pub(super) fn stepper(&self) -> Option<Stepper<'_>> {
-        self.standing().filter(|_| self.scenario.worker.may_step)
-    }
-
-    /// Where recorded people would stand; none of who sits or rests, or where it was not recorded.
-    fn standing(&self) -> Option<Stepper<'_>> {
-        let worker = &self.scenario.worker;
-        let stands = matches!(worker.stance, Stance::Standing { .. });
-        let moves = worker.pelvis == Pelvis::Moves;
-        let place = worker.model.standing.as_ref().filter(|_| stands && moves)?;
-        Stepper::new(place, self.coupling.stature_m(), worker.hands == Hands::Both)
-    }
-
-    /// Grips along a path as the mean person's feet see them.
-    pub(super) fn seen_on_average(&self, time_s: &[f64], grips: &[Grips]) -> Vec<Grips> {
-        let feet = self.stepper().and_then(|stepper| {
-            stepper.feet((time_s, grips), self.coupling.hold(), &stepper.surely(), &[])
-        });
-        feet.map_or_else(|| grips.to_vec(), |feet| seen_from(&feet, grips))
-    }
 }
 
 #[cfg(test)]

@@ -157,12 +157,23 @@ impl Coupling {
 
     /// Whether somebody who stands is in balance at the posture of `frames`; others are.
     pub(super) fn is_balanced(&self, frames: &Frames) -> bool {
-        let Some(ground) = &self.ground else { return true };
-        let Some(balance) = &ground.balance else { return true };
+        self.margin_at(frames).is_none_or(|m| m > 0.0)
+    }
+
+    /// How far the centre of mass of somebody who stands is inside the feet at `q` (n, rad, leg lengths), m;
+    /// negative outside.
+    pub fn margin_m(&self, q: &DVector<f64>, frames: &mut Frames) -> Option<f64> {
+        self.chain.forward(q.as_slice(), frames);
+        self.margin_at(frames)
+    }
+
+    fn margin_at(&self, frames: &Frames) -> Option<f64> {
+        let ground = self.ground.as_ref()?;
+        let balance = ground.balance.as_ref()?;
         let (at, turn) = self.chain.tip_frame(frames, ground.tip);
         let bending = ground.legs.bending(&at, &turn);
         let centre = balance.centre((&self.chain, frames), (&ground.legs, &bending));
-        balance.margin_m(&centre, Legs::heel(&bending)) > 0.0
+        Some(balance.margin_m(&centre, Legs::heel(&bending)))
     }
 
     /// Number of joints of the chain, n: with the free coordinates of the pelvis.

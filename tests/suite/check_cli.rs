@@ -88,7 +88,7 @@ fn a_scenario_is_looked_at_without_planning() {
     command.arg("check").arg(&scenario).arg("--figure").arg(&figure);
     let words = contains("start: 16 of 16 start postures of `female_p50` reach it")
         .and(contains("goal: the robot reaches it"))
-        .and(contains("worker.other_arm: unknown, so not scored"))
+        .and(contains("worker.other_arm: predicted: it hangs under its shoulder"))
         .and(contains("limits.").and(contains("\nErrors").not()));
     command.assert().success().stdout(words);
     assert!(std::fs::read(&figure).unwrap().starts_with(b"\x89PNG"));

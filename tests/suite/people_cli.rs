@@ -54,7 +54,9 @@ fn recorded_people_teach_a_whole_person_and_are_predicted() {
     for movement in found["persons"][0]["movements"].as_array().unwrap() {
         let fit: Vec<f64> =
             movement["fit_rms"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-        assert!(fit[0] < 2.0 && fit[1..].iter().all(|f| *f < 15.0), "{fit:?}");
+        // Its knees bend as recorded, so that feet that stood apart cost some centimetres at the hips.
+        assert!(fit[0] < 4.0 && fit[4] < 2.0, "{fit:?}");
+        assert!(fit[1..4].iter().all(|f| *f < 15.0), "{fit:?}");
     }
 
     let Some(file) = people(&["bk", "tr"], room.path()) else { return };
