@@ -101,7 +101,7 @@ impl WholeSurveyor {
         let chains = [columns(&chain_names[0]), columns(&chain_names[1])];
         let ball = |side: Side| parts.skeleton.column(&heel_joint(side));
         let heels = ball(Side::Right).zip(ball(Side::Left)).map(|(right, left)| [right, left]);
-        Ok(Self { parts, legs, heels, chains, spine, chain_names })
+        Ok(Self { parts, legs, chains, heels, spine, chain_names })
     }
 
     /// Number of joint angles.

@@ -114,8 +114,8 @@ struct Columns {
     units: Vec<f64>,
     arms: [bool; 2],
     has_neck: bool,
-    has_knees: bool,
-    has_heels: bool,
+    /// Whether the knees are there, and the joints about which heels rise.
+    legs: [bool; 2],
 }
 
 impl Columns {
@@ -151,8 +151,10 @@ impl Columns {
             rollout: rollout.is_some(),
             arms,
             has_neck: axes("jT1C7") && axes("jC1Head"),
-            has_knees: has_joint("jRightKnee_Z") && has_joint("jLeftKnee_Z"),
-            has_heels: [Side::Right, Side::Left].iter().all(|s| has_joint(&heel_joint(*s))),
+            legs: [
+                has_joint("jRightKnee_Z") && has_joint("jLeftKnee_Z"),
+                [Side::Right, Side::Left].iter().all(|s| has_joint(&heel_joint(*s))),
+            ],
             joints,
             units: surveyor.joints().map(|j| column_unit(j, body)).collect(),
         })
@@ -168,8 +170,8 @@ impl Columns {
             *arm = arm.filter(|_| known);
         }
         posture.neck = posture.neck.filter(|_| self.has_neck);
-        posture.knees_deg = posture.knees_deg.filter(|_| self.has_knees);
-        posture.heels_deg = posture.heels_deg.filter(|_| self.has_heels);
+        posture.knees_deg = posture.knees_deg.filter(|_| self.legs[0]);
+        posture.heels_deg = posture.heels_deg.filter(|_| self.legs[1]);
         posture
     }
 
