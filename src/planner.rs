@@ -27,6 +27,7 @@ mod filming;
 mod finalists;
 mod findings;
 mod guard;
+mod known_starts;
 mod lens;
 mod moments;
 mod near;

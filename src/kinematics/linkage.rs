@@ -10,7 +10,7 @@
 
 use super::model::{Joint, JointKind, Model};
 use crate::files::suggest;
-use crate::math::{Pose, Vec3};
+use crate::math::{Pose, Vec3, Vec6};
 use nalgebra::{DMatrix, Matrix3, Matrix6, Matrix6xX, UnitQuaternion};
 use thiserror::Error;
 
@@ -349,6 +349,27 @@ impl Linkage {
             velocities[column] +=
                 if node.is_prismatic { a } else { a.cross(&(point - frames.origin[i])) };
         }
+    }
+
+    /// `dJ/dt qdot` of a tip (m/s^2, rad/s^2, base axes) while the joints move at the even rates `qdot` (n), and
+    /// the angular velocity of the tip (rad/s).
+    pub fn bias_acceleration(&self, frames: &Frames, tip: usize, qdot: &[f64]) -> (Vec6, Vec3) {
+        let (p, _) = self.tip_frame(frames, tip);
+        let (mut linear, mut angular, mut turning) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
+        for &i in &self.tips[tip].path {
+            let node = &self.nodes[i];
+            let Some(column) = node.column else { continue };
+            let a = frames.axis[i] * (node.multiplier * qdot[column]);
+            if node.is_prismatic {
+                linear += 2.0 * turning.cross(&a);
+            } else {
+                let v = a.cross(&(p - frames.origin[i]));
+                linear += (2.0 * turning + a).cross(&v);
+                angular += turning.cross(&a);
+                turning += a;
+            }
+        }
+        (Vec6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z), turning)
     }
 
     /// Twist of a tip by each of the first `count` columns, six at most: velocity of its origin over angular

@@ -1,5 +1,6 @@
 //! A person at the workstation: a body, where it stands, and its way of moving.
 
+use super::known_starts::KnownStarts;
 use super::near::{ArmAlong, Closest};
 use super::repetitions::{Repetition, Repetitions, Walked};
 use super::result::{PosePicture, RolloutTable};
@@ -46,6 +47,8 @@ pub(super) struct Person<'a> {
     pub(super) envelope: Envelope,
     pub(super) mannequin: Mannequin,
     behaviour: &'a dyn Behaviour,
+    /// Of that behaviour, by the rule of the scenario.
+    known: KnownStarts,
 }
 
 impl<'a> Person<'a> {
@@ -72,6 +75,7 @@ impl<'a> Person<'a> {
                 mannequin: Mannequin::new(body, w.coupled(), w.stance)?,
                 body,
                 behaviour,
+                known: KnownStarts::default(),
             })
         };
         w.bodies.iter().map(of).collect()
@@ -218,7 +222,7 @@ impl<'a> Person<'a> {
         numbers: Range<usize>,
     ) -> Repetitions {
         let rule = &self.scenario.worker.start_rule;
-        self.along(path, variant, (self.behaviour, rule), (block, numbers))
+        self.along(path, variant, (self.behaviour, rule, Some(&self.known)), (block, numbers))
     }
 
     /// One repetition without any chance in it: from the person's mean posture, by the mean of a law,
@@ -234,14 +238,14 @@ impl<'a> Person<'a> {
             StartRule::Sampled => &StartRule::Mean,
             other => other,
         };
-        self.along(path, variant, (&Certain { law, postures }, rule), ((0, 0), 0..1))
+        self.along(path, variant, (&Certain { law, postures }, rule, None), ((0, 0), 0..1))
     }
 
     fn along(
         &self,
         path: &TimedPath,
         variant: &Variant,
-        (behaviour, rule): (&dyn Behaviour, &StartRule),
+        (behaviour, rule, known): (&dyn Behaviour, &StartRule, Option<&KnownStarts>),
         (block, numbers): ((u64, u32), Range<usize>),
     ) -> Repetitions {
         let to_rest = self.pelvis(variant).inverse();
@@ -261,6 +265,7 @@ impl<'a> Person<'a> {
             grips: &asked,
             mixture: mixture.as_ref(),
             block,
+            known,
         };
         let Walked { mut starts, mut repeated, feet, would_step } = walk.repeat(numbers, is_sure);
         for q in repeated.rollouts.iter_mut().flat_map(|r| &mut r.q) {

@@ -4,6 +4,7 @@
 //! the hand: the same one, seen from where the feet then are. Where reach or balance end all the same, the
 //! repetition is tried again with a step shortly before that.
 
+use super::known_starts::KnownStarts;
 use super::repetitions::{AT_EDGE_M, Walked};
 use crate::kinematics::Frames;
 use crate::math::stream::{Purpose, stream};
@@ -31,6 +32,8 @@ pub(super) struct Walk<'a> {
     pub grips: &'a [Grips],
     pub mixture: Option<&'a Mixture>,
     pub block: (u64, u32),
+    /// Starts that this way of moving had by this rule before.
+    pub known: Option<&'a KnownStarts>,
 }
 
 /// One repetition.
@@ -98,9 +101,16 @@ impl Walk<'_> {
         let coupling = self.coupling;
         let first = numbers.start;
         let (mixture, rule) = (self.mixture, self.rule);
-        let starts = self.behaviour.starts(coupling, &grips[0], mixture, rule, self.block, numbers);
-        let starts: Vec<Start> =
-            starts.into_iter().map(|s| s.among(self.behaviour.postures())).collect();
+        let modes = self.behaviour.modes(mixture, self.block, numbers.clone());
+        let who: Vec<_> = numbers.zip(modes).collect();
+        let find = |who: &[_]| -> Vec<Start> {
+            let found = self.behaviour.starts_of(coupling, &grips[0], rule, self.block, who);
+            found.into_iter().map(|s| s.among(self.behaviour.postures())).collect()
+        };
+        let starts = match self.known {
+            Some(known) => known.of(&grips[0], self.block, &who, find),
+            None => find(&who),
+        };
         let path = (self.time_s, grips);
         let repeated = self.behaviour.repeat(coupling, path, &starts, self.block, first);
         (starts, repeated)

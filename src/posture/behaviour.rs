@@ -9,7 +9,7 @@ use super::model::{PostureDistribution, PostureModel};
 use super::modes::{Mixture, Modes};
 use super::process::FunctionDraw;
 use super::rollout::{Rollout, roll_out};
-use super::start::{Start, StartRule, start_postures};
+use super::start::{Start, StartRule, start_posture};
 use crate::math::stream::{Purpose, stream};
 use rand::RngExt;
 use rayon::prelude::*;
@@ -35,19 +35,44 @@ pub trait Behaviour: std::fmt::Debug + Sync {
         None
     }
 
-    /// Start postures of repetitions with the grips (rest frame) at the start of a path, of the modes of a
-    /// mixture.
+    /// Of which modes of a mixture repetitions are; none where there are none.
+    fn modes(
+        &self,
+        _: Option<&Mixture>,
+        _: (u64, u32),
+        numbers: Range<usize>,
+    ) -> Vec<Option<usize>> {
+        vec![None; numbers.len()]
+    }
+
+    /// Start postures with the grips (rest frame) at the start of a path, of repetitions with these numbers
+    /// and modes: of nothing else than of a repetition's own.
+    fn starts_of(
+        &self,
+        coupling: &Coupling,
+        grips: &Grips,
+        rule: &StartRule,
+        block: (u64, u32),
+        who: &[(usize, Option<usize>)],
+    ) -> Vec<Start> {
+        let postures = self.postures_at(coupling, grips);
+        let of = |&(r, _): &(usize, _)| start_posture(coupling, &postures, rule, grips, (block, r));
+        who.par_iter().map(of).collect()
+    }
+
+    /// Start postures with the grips (rest frame) at the start of a path, of the modes of a mixture.
     fn starts(
         &self,
         coupling: &Coupling,
         grips: &Grips,
-        _: Option<&Mixture>,
+        mixture: Option<&Mixture>,
         rule: &StartRule,
         block: (u64, u32),
         numbers: Range<usize>,
     ) -> Vec<Start> {
-        let postures = self.postures_at(coupling, grips);
-        start_postures(coupling, &postures, rule, grips, block, numbers)
+        let modes = self.modes(mixture, block, numbers.clone());
+        let who: Vec<_> = numbers.zip(modes).collect();
+        self.starts_of(coupling, grips, rule, block, &who)
     }
 
     /// Repetitions along grips in the rest frame at times (s): one from each start, numbered
@@ -168,32 +193,37 @@ impl Behaviour for Modelled<'_> {
         self.modes?.at(place)
     }
 
-    fn starts(
+    fn modes(
+        &self,
+        mixture: Option<&Mixture>,
+        (seed, block): (u64, u32),
+        numbers: Range<usize>,
+    ) -> Vec<Option<usize>> {
+        let Some(mixture) = mixture else { return vec![None; numbers.len()] };
+        let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
+        // Levels spread evenly, whatever the number of repetitions.
+        numbers.map(|r| Some(mixture.mode_at((from + GOLDEN * r as f64).fract()))).collect()
+    }
+
+    fn starts_of(
         &self,
         coupling: &Coupling,
         grips: &Grips,
-        mixture: Option<&Mixture>,
         rule: &StartRule,
-        (seed, block): (u64, u32),
-        numbers: Range<usize>,
+        block: (u64, u32),
+        who: &[(usize, Option<usize>)],
     ) -> Vec<Start> {
+        let used: BTreeSet<Option<usize>> = who.iter().map(|(_, mode)| *mode).collect();
         let here = |mode: Option<usize>| {
             let way = self.way(mode);
-            postures_at((way.law, way.postures), coupling, grips)
+            (mode, postures_at((way.law, way.postures), coupling, grips))
         };
-        let of = |postures: &PostureDistribution, numbers: Range<usize>| {
-            start_postures(coupling, postures, rule, grips, (seed, block), numbers)
+        let postures: BTreeMap<_, _> = used.into_iter().map(here).collect();
+        let of = |&(r, mode): &(usize, Option<usize>)| {
+            let start = start_posture(coupling, &postures[&mode], rule, grips, (block, r));
+            Start { mode, ..start }
         };
-        let Some(mixture) = mixture else { return of(&here(None), numbers) };
-        let postures: Vec<_> = (0..mixture.shares.len()).map(|mode| here(Some(mode))).collect();
-        let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
-        let one = |r: usize| {
-            // Levels spread evenly, whatever the number of repetitions.
-            let mode = mixture.mode_at((from + GOLDEN * r as f64).fract());
-            let starts = of(&postures[mode], r..r + 1).into_iter();
-            starts.map(move |start| Start { mode: Some(mode), ..start })
-        };
-        numbers.flat_map(one).collect()
+        who.par_iter().map(of).collect()
     }
 
     fn repeat(

@@ -252,6 +252,32 @@ impl Coupling {
         }
     }
 
+    /// How far the grips go when the posture of `frames` changes by `change` (n, rad, leg lengths), beyond
+    /// `jacobian . change` and to second order: m and rad in task rows.
+    pub(super) fn curvature(
+        &self,
+        frames: &Frames,
+        seen: &Observation,
+        change: &DVector<f64>,
+    ) -> DVector<f64> {
+        let of = |((tip, pose), hold): ((usize, &Pose), &Hold)| {
+            let (bias, turn) = self.chain.bias_acceleration(frames, tip, change.as_slice());
+            let mut beyond = 0.5 * bias;
+            if *hold == Hold::FreeRoll {
+                // The bar's direction alone is compared, and it is carried on by what rolls about it.
+                let bar = pose.rotation * Vec3::z();
+                let carried = 0.5 * turn.dot(&bar) * bar.cross(&turn);
+                for i in 0..3 {
+                    beyond[3 + i] += carried[i];
+                }
+            }
+            (beyond, *pose)
+        };
+        let hands: Vec<(Vec6, Pose)> =
+            seen.grips.iter().enumerate().zip(&self.holds).map(of).collect();
+        self.task_part(&hands)
+    }
+
     /// Bounds of legs and balance within `near` (m or rad) of the posture of `frames`, and by how much the
     /// legs are beyond theirs (m, rad).
     pub fn bounds(&self, frames: &Frames, near: f64, bounds: &mut Bounds) -> (f64, f64) {
@@ -371,4 +397,39 @@ impl Ground {
 /// The grip's x and y axes, about which the bar prescribes the rotation.
 fn grip_cross_axes(pose: &Pose) -> [Vec3; 2] {
     [pose.rotation * Vec3::x(), pose.rotation * Vec3::y()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::Hands;
+    use crate::math::stream::{Purpose, normals, stream};
+
+    #[test]
+    fn hands_bend_away_from_the_jacobian_as_differences_say() {
+        let body = Body::load("female_p50", std::path::Path::new(".")).unwrap();
+        for hold in [Hold::Rigid, Hold::FreeRoll, Hold::Point] {
+            let coupled = Coupled { hands: Hands::Both, pelvis: Pelvis::Moves };
+            let standing = (Stance::Standing { shoe_m: 0.03 }, 0.0);
+            let coupling = Coupling::of_person(&body, coupled, &[hold, hold], standing).unwrap();
+            let n = coupling.dof();
+            let mut rng = stream(3, Purpose::Simulation, 9, 0);
+            let q = DVector::from_vec(normals(&mut rng, n)) * 0.3;
+            let along = DVector::from_vec(normals(&mut rng, n));
+            let mut frames = Frames::default();
+            let seen = coupling.observe(&q, &mut frames);
+            // What is left is of third order: an eighth of it at half the way.
+            let left = |h: f64| {
+                let change = &along * h;
+                let bent = coupling.curvature(&frames, &seen, &change);
+                let there = coupling.observe(&(&q + &change), &mut Frames::default()).grips;
+                let moved = coupling.task_error(&seen.grips, &there);
+                let straight = &moved - &seen.jacobian * &change;
+                ((&straight - &bent).norm(), straight.norm())
+            };
+            let ((far, bend), (near, _)) = (left(0.02), left(0.01));
+            assert!(far < 0.15 * bend, "{hold:?}: {far} of {bend}");
+            assert!((far / near - 8.0).abs() < 0.5, "{hold:?}: {far} {near}");
+        }
+    }
 }

@@ -3,8 +3,9 @@
 //! ```text
 //! dx   = x_d(next) - f(q)                closed on the path (paper, section V-C)
 //! dz   = (process(q, dx / h) + e) h + pull over the step
-//! dq   = dz + J_W^+ (dx - J dz)          under limits, by lock and resolve
+//! dq   = dz + J_W^+ (dx - c - J dz)      under limits, by lock and resolve
 //! ```
+//! c is what the step itself bends away from the path, to second order.
 //! h is the time of a step by the clock of the law ([`HandPath`] lays the steps out). By the hand's own
 //! clock a posture depends on how far the hand has come and not on when: samples are read off between
 //! two steps, and there the drift in true time comes on top, in the null space.
@@ -235,24 +236,26 @@ impl State<'_> {
     ) -> Result<(DVector<f64>, DVector<f64>), ReachExceeded> {
         let drift = self.draw.and_then(|d| d.drifted(self.path.time_s(index)));
         let is_knot = part == 1.0 || self.path.knots().len() < 2;
-        let mut q =
-            if is_knot { self.here.q.clone() } else { self.before.lerp(&self.here.q, part) };
         if index == 0 || (is_knot && drift.is_none()) {
-            return Ok((q, self.error.clone()));
-        }
-        // At the knot's own Jacobian: the sample is less than a step away.
-        if let Some(drift) = drift {
-            let still = DVector::zeros(self.here.seen.jacobian.nrows());
-            self.here.bound(self.coupling);
-            let mut bounds = self.here.bounds.clone();
-            bounds.move_on(&(&q - &self.here.q));
-            let allowed = Allowed { limits: self.coupling.limits(), bounds: &bounds };
-            q += self.solver.solve(&q, &self.here.seen.jacobian, &still, &drift, allowed, 1.0)?;
+            return Ok((self.here.q.clone(), self.error.clone()));
         }
         let target = &self.path.targets()[index];
+        // From the knot, which is less than a step away: back along the step, and aside by the drift.
+        let mut change =
+            if is_knot { DVector::zeros(self.before.len()) } else { &self.before - &self.here.q };
+        change *= 1.0 - part;
+        let task = if self.law.is_direct {
+            &self.here.seen.jacobian * &change
+        } else {
+            self.coupling.task_error(&self.here.seen.grips, target)
+        };
+        if let Some(drift) = drift {
+            change += drift;
+        }
+        let change = self.change(None, &task, &change)?;
         // Look from there, and come back to the knot.
         std::mem::swap(&mut self.here, &mut self.aside);
-        self.here.q = q;
+        self.here.q = &self.aside.q + change;
         self.here.look(self.coupling);
         let error = if self.law.is_direct {
             Ok(self.coupling.task_error(&self.here.seen.grips, target))
@@ -281,18 +284,31 @@ impl State<'_> {
         task: &DVector<f64>,
         wish: &DVector<f64>,
     ) -> Result<(), ReachExceeded> {
-        let Self { coupling, solver, here, .. } = self;
-        here.bound(coupling);
-        let jacobian = jacobian.unwrap_or(&here.seen.jacobian);
-        let limits = coupling.limits();
-        let allowed = Allowed { limits, bounds: &here.bounds };
-        let moved = solver.solve(&here.q, jacobian, task, wish, allowed, 1.0)?;
+        let moved = self.change(jacobian, task, wish)?;
         if moved.amax() > LARGEST_JOINT_STEP {
             return Err(ReachExceeded);
         }
-        here.q += moved;
-        here.look(coupling);
+        self.here.q += moved;
+        self.here.look(self.coupling);
         Ok(())
+    }
+
+    /// The change of the posture (n, rad) that does the task from here; `jacobian` in the place of the task's.
+    fn change(
+        &mut self,
+        jacobian: Option<&DMatrix<f64>>,
+        task: &DVector<f64>,
+        wish: &DVector<f64>,
+    ) -> Result<DVector<f64>, ReachExceeded> {
+        let Self { coupling, solver, here, .. } = self;
+        here.bound(coupling);
+        let allowed = Allowed { limits: coupling.limits(), bounds: &here.bounds };
+        if self.law.is_direct {
+            let jacobian = jacobian.unwrap_or(&here.seen.jacobian);
+            return solver.solve(&here.q, jacobian, task, wish, allowed, 1.0);
+        }
+        let beyond = |change: &DVector<f64>| coupling.curvature(&here.frames, &here.seen, change);
+        solver.solve_curved(&here.q, (&here.seen.jacobian, beyond), task, wish, allowed)
     }
 
     /// Newton corrections when the curvature of the step has taken the hand off the path, or a leg that it

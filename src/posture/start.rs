@@ -65,33 +65,42 @@ impl Start {
     }
 }
 
-/// Start postures of some people for grips in the rest frame. Draw r depends on (seed, block, r) and on
-/// the start pose only, so every path from the same start meets the same people.
+/// Start postures of some people for grips in the rest frame.
 pub fn start_postures(
     coupling: &Coupling,
     postures: &PostureDistribution,
     rule: &StartRule,
     hand: impl Into<Grips>,
-    (seed, block): (u64, u32),
+    block: (u64, u32),
     people: Range<usize>,
 ) -> Vec<Start> {
-    let hand = &hand.into();
-    let factor = postures.covariance.clone().cholesky();
-    let n = postures.mean.len();
-    people
-        .map(|r| {
-            let wish = match (rule, &factor) {
-                (StartRule::Given(q), _) => DVector::from_vec(q.clone()),
-                (StartRule::Sampled, Some(f)) => {
-                    let mut rng = stream(seed, Purpose::Posture, block, r as u32);
-                    &postures.mean + f.l() * DVector::from_vec(normals(&mut rng, n))
-                }
-                _ => postures.mean.clone(),
-            };
-            let q = reach(coupling, postures, &wish, hand);
-            Start { q, distance: 0.0, is_unusual: false, mode: None }.among(postures)
-        })
-        .collect()
+    let hand = hand.into();
+    people.map(|r| start_posture(coupling, postures, rule, &hand, (block, r))).collect()
+}
+
+/// Start posture r of a (seed, block). It depends on these and on the start pose only, so every path from the
+/// same start meets the same people.
+pub(super) fn start_posture(
+    coupling: &Coupling,
+    postures: &PostureDistribution,
+    rule: &StartRule,
+    hand: &Grips,
+    ((seed, block), r): ((u64, u32), usize),
+) -> Start {
+    let factor = || postures.covariance.clone().cholesky();
+    let wish = match rule {
+        StartRule::Given(q) => DVector::from_vec(q.clone()),
+        StartRule::Sampled => factor().map_or_else(
+            || postures.mean.clone(),
+            |f| {
+                let mut rng = stream(seed, Purpose::Posture, block, r as u32);
+                &postures.mean + f.l() * DVector::from_vec(normals(&mut rng, postures.mean.len()))
+            },
+        ),
+        StartRule::Mean => postures.mean.clone(),
+    };
+    let q = reach(coupling, postures, &wish, hand);
+    Start { q, distance: 0.0, is_unusual: false, mode: None }.among(postures)
 }
 
 /// The posture nearest to `wish` that has the hand at `hand` within the limits.

@@ -68,14 +68,6 @@ impl Bounds {
         self.coefficients.extend_from_slice(coefficients);
         self.rows.push(Bound { from, count, at, lower, upper });
     }
-
-    /// Moves the posture on by `change`, n.
-    pub(super) fn move_on(&mut self, change: &DVector<f64>) {
-        let Self { coefficients, rows } = self;
-        for row in rows {
-            row.at += row.along(coefficients, change);
-        }
-    }
 }
 
 impl Bound {
@@ -106,6 +98,8 @@ pub struct StepSolver {
 /// The equations of one pass: m rows of the task and of held sums, in blocks of eight; n joints.
 #[derive(Debug, Clone, Default)]
 struct System {
+    /// Rows, m.
+    count: usize,
     /// Blocks of rows, b.
     blocks: usize,
     /// Joint by joint the rows of the task, zero where the joint is locked: n x b.
@@ -153,6 +147,24 @@ impl StepSolver {
         // Locking all violators at once is fast; one at a time locks no more than needed.
         self.passes(q, jacobian, task, preferred, allowed, (dt, false))
             .or_else(|_| self.passes(q, jacobian, task, preferred, allowed, (dt, true)))
+    }
+
+    /// The same where the task follows the velocity along a curve: `beyond` (m) is what a velocity brings of it
+    /// that `jacobian` does not show. One correction, with the same joints at their limits, unless others would
+    /// then leave theirs.
+    pub(super) fn solve_curved<'a>(
+        &mut self,
+        q: &DVector<f64>,
+        (jacobian, beyond): (&DMatrix<f64>, impl Fn(&DVector<f64>) -> DVector<f64>),
+        task: &DVector<f64>,
+        preferred: &DVector<f64>,
+        allowed: impl Into<Allowed<'a>>,
+    ) -> Result<DVector<f64>, ReachExceeded> {
+        let allowed = allowed.into();
+        let straight = self.solve(q, jacobian, task, preferred, allowed, 1.0)?;
+        let curved = self.system.also(&straight, &-beyond(&straight));
+        let is_allowed = self.violations(q, &curved, allowed, 1.0).is_empty();
+        Ok(if is_allowed { curved } else { straight })
     }
 
     fn passes(
@@ -229,8 +241,9 @@ impl StepSolver {
             || {
                 system.subtract(velocity.as_slice());
                 system.release(locked);
-                system.multiply(count, weight.as_slice(), locked);
-                system.solve(count) && {
+                system.multiply(weight.as_slice(), locked);
+                system.factorise() && {
+                    system.substitute();
                     system.add_to(velocity.as_mut_slice());
                     true
                 }
@@ -280,6 +293,7 @@ impl System {
     /// Sizes everything for `count` rows, of which the task gives the first.
     fn fill(&mut self, count: usize, jacobian: &DMatrix<f64>, task: &DVector<f64>) {
         let n = jacobian.ncols();
+        self.count = count;
         self.blocks = count.div_ceil(LANES);
         for (list, length) in [
             (&mut self.rows, n * self.blocks),
@@ -329,9 +343,9 @@ impl System {
 
     /// `W J^T` of the free joints and `J W J^T`, for a symmetric W, n x n.
     #[inline(always)]
-    fn multiply(&mut self, count: usize, weight: &[f64], locked: &[Option<f64>]) {
-        let Self { blocks, rows, across, gram, .. } = self;
-        let (blocks, n) = (*blocks, locked.len());
+    fn multiply(&mut self, weight: &[f64], locked: &[Option<f64>]) {
+        let Self { count, blocks, rows, across, gram, .. } = self;
+        let (count, blocks, n) = (*count, *blocks, locked.len());
         for b in 0..blocks {
             // Several joints at a time: their sums do not wait for each other.
             for first in (0..n).step_by(ABREAST) {
@@ -369,12 +383,12 @@ impl System {
         }
     }
 
-    /// Replaces the missing part of the task by the multipliers; false where a row depends on others.
+    /// False where a row depends on others.
     #[inline(always)]
-    fn solve(&mut self, count: usize) -> bool {
-        let Self { blocks, gram, missing, factor, .. } = self;
+    fn factorise(&mut self) -> bool {
+        let Self { count, blocks, gram, factor, .. } = self;
+        let count = *count;
         let gram = gram.as_flattened();
-        let missing = missing.as_flattened_mut();
         let stride = *blocks * LANES;
         // Rows of metres and of radians: scale to a unit diagonal before judging the rank.
         factor.clear();
@@ -402,6 +416,16 @@ impl System {
                 }
             }
         }
+        true
+    }
+
+    /// Replaces the missing part of the task by the multipliers.
+    #[inline(always)]
+    fn substitute(&mut self) {
+        let Self { count, missing, factor, .. } = self;
+        let count = *count;
+        let missing = missing.as_flattened_mut();
+        let (factor, scale) = factor.split_at(count * count);
         for i in 0..count {
             let mut sum = missing[i] * scale[i];
             for k in 0..i {
@@ -417,7 +441,21 @@ impl System {
             missing[i] = sum * factor[i * count + i];
         }
         missing.iter_mut().zip(scale).for_each(|(m, s)| *m *= *s);
-        true
+    }
+
+    /// A velocity (n) of the system that was solved last, with some more of the task done.
+    fn also(&mut self, velocity: &DVector<f64>, task: &DVector<f64>) -> DVector<f64> {
+        self.missing.fill([0.0; LANES]);
+        self.missing.as_flattened_mut()[..task.len()].copy_from_slice(task.as_slice());
+        let mut more = velocity.clone();
+        wide(
+            #[inline(always)]
+            || {
+                self.substitute();
+                self.add_to(more.as_mut_slice());
+            },
+        );
+        more
     }
 
     /// Adds `W J^T` times the multipliers to a joint velocity, n, rad/s.
