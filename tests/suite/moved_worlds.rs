@@ -136,7 +136,8 @@ fn a_cell_that_stands_elsewhere_has_the_same_result() {
 }
 
 /// One arm on a fixed pelvis, the head in line, the other arm unscored: the figures from before
-/// pelvis, head and other arm were predicted.
+/// pelvis, head and other arm were predicted. The demonstration model was trained again since, when steps
+/// began to bend: by the model before, they are 3.90 and 4.02 with these steps too (standard error 0.03).
 #[test]
 fn the_arm_on_a_fixed_pelvis_scores_as_it_did() {
     let mut scenario = shipped("bench_pick_and_place");
@@ -147,7 +148,7 @@ fn the_arm_on_a_fixed_pelvis_scores_as_it_did() {
     let expected = |c: &CandidateResult| c.bodies[0].rula().distribution.expected;
     let best = result.candidates.iter().find(|c| c.rank == Some(1)).unwrap();
     let found = [expected(best), expected(straight(&result))];
-    for (found, wanted) in found.iter().zip([3.90, 4.02]) {
+    for (found, wanted) in found.iter().zip([3.87, 4.02]) {
         assert!((found - wanted).abs() < 0.006, "{found}, not {wanted}");
     }
 }
