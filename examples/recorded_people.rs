@@ -68,7 +68,7 @@ fn make(folder: &Path, out: &Path) -> Result<(), InputError> {
     for remark in remarks_of(&sources) {
         eprintln!("{remark}");
     }
-    let whom = Whom { person: None, side: Side::Right, body: &body, pelvis: None };
+    let whom = Whom { person: None, side: Side::Right, body: &body, pelvis: None, map: None };
     let settings = TrainSettings::default();
     let mut made_from = provenance(&sources, &whom);
     made_from.notes.insert(0, ATTRIBUTION.to_owned());

@@ -33,6 +33,8 @@ mod evaluate;
 mod evaluate_print;
 mod experiment;
 mod experiment_size;
+mod import;
+mod import_print;
 mod inspect;
 mod plan;
 mod plan_print;
@@ -86,6 +88,8 @@ enum Command {
     Report(report::Args),
     /// Puts finished runs side by side: paths, layouts, robots or body sizes.
     Compare(compare::Args),
+    /// Makes recordings motions of a body of the person's size, and says how good they are.
+    Import(import::Args),
     /// Learns from recordings how a person resolves the redundancy of the body.
     Train(train::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
@@ -163,6 +167,7 @@ pub fn main() -> ExitCode {
         Command::Batch(args) => batch::batch(&args, &outputs),
         Command::Report(args) => report::run(&args, outputs),
         Command::Compare(args) => compare::run(&args, outputs),
+        Command::Import(args) => import::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Validate(args) => validate::run(&args),

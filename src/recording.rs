@@ -1,5 +1,5 @@
-//! Recorded movements: MVNX exports, BVH files, Acclaim motions and rigid-body CSV folders become one
-//! neutral type.
+//! Recorded movements: MVNX exports, BVH files, Acclaim motions, rigid-body CSV folders, and with a [`Map`]
+//! markers and tables of points become one neutral type.
 //!
 //! A [`Recording`] holds segment poses of one person in ISB segment axes, whatever the file used.
 //! The axes of every segment are x forward, y up (towards the proximal joint of a hanging limb) and
@@ -14,6 +14,7 @@ mod axes;
 mod bvh;
 mod checks;
 mod lines;
+mod map;
 mod markers;
 mod mvnx;
 mod mvnx_parse;
@@ -21,11 +22,12 @@ mod remark;
 mod rigid_bodies;
 
 pub use axes::{SEGMENT_NAMES, zxy_angles};
+pub use map::{MAP_SCHEMA, Map, Run, read_map};
 pub use markers::{Markers, read_markers};
 pub use remark::{Remark, grouped};
 pub use rigid_bodies::{RIGID_BODY_RATE_HZ, read_rigid_bodies};
 
-use crate::files::InputError;
+use crate::files::{InputError, read_bytes, sha256_hex};
 use crate::math::Vec3;
 use nalgebra::UnitQuaternion;
 use std::path::Path;
@@ -35,7 +37,8 @@ use std::path::Path;
 pub struct Recording {
     /// Name of the file or folder read, without its path.
     pub source: String,
-    /// `MVNX v3`, `MVNX v4`, `BVH`, `Acclaim ASF/AMC` or `rigid-body CSV`.
+    /// `MVNX v3`, `MVNX v4`, `BVH`, `Acclaim ASF/AMC`, `rigid-body CSV`, `C3D markers`, `TRC markers` or
+    /// `table of points`.
     pub format: &'static str,
     /// SHA-256 of the bytes read; of a folder: of the person's files joined in order of their names;
     /// of an Acclaim motion: of its skeleton and itself joined.
@@ -105,10 +108,57 @@ pub fn read(path: &Path, person: Option<&str>) -> Result<Recording, InputError> 
     }
 }
 
+/// Reads a recording as [`read`] does; where a map is given, it also says what C3D and TRC files, and tables
+/// of points (`.csv`, `.tsv`, `.txt`), are of a person. Of a file with long gaps it is the longest run.
+pub fn read_with(
+    path: &Path,
+    person: Option<&str>,
+    map: Option<&Map>,
+) -> Result<Recording, InputError> {
+    let runs = read_runs(path, person, map)?;
+    let longest = runs
+        .into_iter()
+        .map(|run| run.recording)
+        .reduce(|longest, next| if next.frames() > longest.frames() { next } else { longest });
+    longest.ok_or_else(|| InputError::new(path, "holds no movement"))
+}
+
+/// All runs of a recording between its long gaps; one, where a file is no file of markers.
+pub fn read_runs(
+    path: &Path,
+    person: Option<&str>,
+    map: Option<&Map>,
+) -> Result<Vec<Run>, InputError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let format = match extension.as_str() {
+        "c3d" => "C3D markers",
+        "trc" => "TRC markers",
+        "csv" | "tsv" | "txt" => "table of points",
+        _ => "",
+    };
+    let Some(map) = map.filter(|_| !format.is_empty() && !path.is_dir()) else {
+        let recording = read(path, person)?;
+        return Ok(vec![Run { recording, first_frame: 0, gaps_filled: 0, frames_left_out: 0 }]);
+    };
+    if let Some(name) = person {
+        let message = format!("holds one person, so person `{name}` cannot be picked");
+        return Err(InputError::new(path, message)
+            .remedy("name the markers of that person in the map, and leave the person out"));
+    }
+    let bytes = read_bytes(path)?;
+    let markers = match extension.as_str() {
+        "c3d" | "trc" => read_markers(path)?,
+        _ => markers::table::read(path, &bytes, map.table())?,
+    };
+    let sha256 = sha256_hex(&bytes);
+    map::runs(&map::Origin { path, source: bare_name(path), format, sha256 }, &markers, map)
+}
+
 /// Why a file of no known kind is not read.
 fn refusal(path: &Path, extension: &str) -> InputError {
-    let known = "known are .mvnx files (version 3 or 4), .bvh files, .amc files with their .asf, and folders of \
-                 rigid-body CSV files named <person>_<body>_pose_saved.csv";
+    let known = "known are .mvnx files (version 3 or 4), .bvh files, .amc files with their .asf, folders of \
+                 rigid-body CSV files named <person>_<body>_pose_saved.csv, and with a map .c3d and .trc files and \
+                 tables";
     if !path.exists() {
         return InputError::new(path, "cannot be read: no such file or folder")
             .remedy("check the path; paths inside a scenario are relative to the scenario file");
@@ -118,8 +168,12 @@ fn refusal(path: &Path, extension: &str) -> InputError {
             .remedy("give the folder that holds the CSV files of all bodies instead"),
         "mvn" => InputError::new(path, "is a recording in its maker's own binary format")
             .remedy("export it as MVNX with position and orientation of the segments"),
-        "c3d" | "trc" => InputError::new(path, "holds markers, not the segments of a person")
-            .remedy("let the capture program solve its skeleton, and export that as MVNX or BVH"),
+        "c3d" | "trc" => InputError::new(path, "holds markers, not the segments of a person").remedy(
+            "say with --map which markers make which segments, or let the capture program solve its skeleton \
+             and export MVNX or BVH",
+        ),
+        "tsv" | "txt" => InputError::new(path, "is a table, which does not say what its columns are")
+            .remedy("say with --map which columns are points, and which points make which segments"),
         "asf" => InputError::new(path, "is a skeleton without its motion")
             .remedy("give the .amc file beside it"),
         "" => InputError::new(path, "has no extension that tells its kind").remedy(known),
@@ -150,6 +204,7 @@ mod tests {
             ("walk.asf", "without its motion"),
             ("walk.c3d", "holds markers"),
             ("walk.TRC", "holds markers"),
+            ("walk.tsv", "is a table"),
         ] {
             let path = room.path().join(name);
             std::fs::write(&path, b"x").unwrap();

@@ -30,6 +30,9 @@ mod fit_tests;
 #[cfg(test)]
 mod head_tests;
 mod held_out_curves;
+mod import;
+#[cfg(test)]
+mod map_tests;
 mod measurer;
 mod methods;
 mod modes;
@@ -64,10 +67,16 @@ pub use export::data_csv;
 pub use fit::{FitSettings, JointMotion, fit};
 pub use fit_report::{Beyond, FitReport, SegmentLength, Spread};
 pub use held_out_curves::{BAND_LEVELS, HeldOutCurves, JointCurves, held_out_curves};
+pub use import::{
+    Drift, Import, ImportRequest, ImportedFile, ImportedRun, PartSize, Residuals, SegmentQuality,
+    Sizes, drift, import,
+};
 pub use methods::{Law, WeightUncertainty, learn_laws};
 #[doc(hidden)]
 pub use methods::{with_kernel_search, with_weight_search};
-pub use motion_file::{MotionFile, SIMULATED_MARK, motion_text, read_motion, trial_of};
+pub use motion_file::{
+    FITTED_MARK, MotionFile, SIMULATED_MARK, motion_text, read_motion, trial_of,
+};
 pub use noise_fit::learn_noise;
 pub use rollout_check::{
     Bands, LearnedRepetitions, RolloutScore, check_rollouts, learn_repetitions, path_error_deg,

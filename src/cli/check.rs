@@ -4,6 +4,7 @@ use super::check_file::explain;
 use super::check_scenario;
 use super::{Failure, Outcome};
 use crate::files::{InputError, Outputs};
+use crate::recording::read_map;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -24,6 +25,9 @@ pub(super) struct Args {
     /// With --sensitivity: repetitions along each path.
     #[arg(long, value_name = "N", default_value_t = 64, requires = "sensitivity", value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub repetitions: u16,
+    /// Of a file of markers or a table of points: what makes them the segments of a person.
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -70,7 +74,8 @@ pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
     if scenario {
         return check_scenario::run(args, outputs);
     }
-    let explained = explain(&args.file)?;
+    let map = args.map.as_deref().map(read_map).transpose()?;
+    let explained = explain(&args.file, map.as_ref())?;
     if args.json {
         print_json(&explained)?;
     } else {

@@ -8,17 +8,18 @@ use crate::human::{Body, Side};
 use crate::kinematics::{JointKind, read_urdf};
 use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result};
 use crate::posture::load_model;
-use crate::recording::{Recording, read};
+use crate::recording::{MAP_SCHEMA, Map, Recording, read, read_map, read_with};
 use crate::robot::{JointTrajectory, PRESETS, Robot};
 use crate::training::people::{PeopleFile, read_people_file};
 use crate::words::number::percent;
 use std::path::Path;
 
-const KNOWN: &str = "known are scenarios, planners and people (TOML), bodies and robots (URDF), posture models and results \
-                     (JSON), recordings (MVNX, BVH, AMC, folders), JointTrajectory (YAML, JSON) and tables (CSV)";
+const KNOWN: &str = "known are scenarios, planners, people and maps (TOML), bodies and robots (URDF), posture models and results \
+                     (JSON), recordings (MVNX, BVH, AMC, folders, and with --map C3D, TRC and tables), JointTrajectory \
+                     (YAML, JSON) and tables (CSV)";
 
 /// A file in words.
-pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
+pub(super) fn explain(path: &Path, map: Option<&Map>) -> Result<Explained, InputError> {
     if path.is_dir() {
         return folder(path);
     }
@@ -28,8 +29,10 @@ pub(super) fn explain(path: &Path) -> Result<Explained, InputError> {
         "json" => json(path),
         "yaml" | "yml" => trajectory(path),
         "urdf" => urdf(path),
-        "csv" => table(path),
-        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" => Ok(recording(&read(path, None)?)),
+        "csv" if map.is_none() => table(path),
+        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" | "csv" | "tsv" | "txt" => {
+            Ok(recording(&read_with(path, None, map)?))
+        }
         _ => {
             read_bytes(path)?;
             Err(InputError::new(path, "is no kind of file that ergopath knows").remedy(KNOWN))
@@ -60,13 +63,24 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
     if schema.starts_with("ergopath/people/") {
         return Ok(people(&read_people_file(path)?));
     }
+    if schema.starts_with("ergopath/map/") {
+        return Ok(self::map(&read_map(path)?));
+    }
     let found =
         if schema.is_empty() { "no schema".to_owned() } else { format!("schema `{schema}`") };
     let message = format!("has {found}, so it cannot be told what it is");
     Err(InputError::new(path, message).remedy(
         "a scenario begins with schema = \"ergopath/scenario/1\", a planner with schema = \"ergopath/planner/1\", \
-         a list of people with schema = \"ergopath/people/1\"",
+         a list of people with schema = \"ergopath/people/1\", a map of markers with schema = \"ergopath/map/1\"",
     ))
+}
+
+fn map(map: &Map) -> Explained {
+    let segments: Vec<&str> = map.segments().collect();
+    let markers = map.markers();
+    Explained::new(format!("a map from markers to segments ({MAP_SCHEMA})"))
+        .saying(format!("{} segments: {}", segments.len(), segments.join(", ")))
+        .saying(format!("of {} markers: {}", markers.len(), markers.join(", ")))
 }
 
 fn people(file: &PeopleFile) -> Explained {

@@ -8,6 +8,7 @@ use crate::files::{InputError, suggest};
 use crate::human::{Body, Pelvis, Side};
 use crate::kinematics::{Linkage, read_urdf};
 use crate::posture::{Hold, Method, Sampling};
+use crate::recording::read_map;
 use crate::training::{
     DataFile, Dataset, Evaluation, Fold, Judging, Lengths, MethodScore, Objective, Optimiser,
     PullRule, Source, TrainSettings, Trial, Whom, evaluate, read_data, read_source, remarks_of,
@@ -31,6 +32,9 @@ pub(super) struct Args {
     /// Which person of a folder with several.
     #[arg(long, requires = "body")]
     person: Option<String>,
+    /// What makes the markers of C3D and TRC files, or the points of tables, the segments of a person.
+    #[arg(long, value_name = "MAP.toml", requires = "body")]
+    map: Option<PathBuf>,
     /// The hand that holds on to the robot.
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
     side: Side,
@@ -288,8 +292,14 @@ fn problems(args: &Args) -> Result<Vec<Problem>, InputError> {
 
 /// Recordings of a person: trials of one data set, or a problem each.
 fn recorded(args: &Args, body: &Body) -> Result<Vec<Problem>, InputError> {
-    let whom =
-        Whom { person: args.person.as_deref(), side: args.side, body, pelvis: Some(args.pelvis) };
+    let map = args.map.as_deref().map(read_map).transpose()?;
+    let whom = Whom {
+        person: args.person.as_deref(),
+        side: args.side,
+        body,
+        pelvis: Some(args.pelvis),
+        map: map.as_ref(),
+    };
     let sources: Result<Vec<Source>, InputError> =
         args.data.iter().map(|path| read_source(path, &whom)).collect();
     let sources = sources?;

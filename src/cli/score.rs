@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A recording (MVNX, BVH, AMC with its ASF, folder of rigid-body CSV files), a CSV of joint angles, or a
-    /// rollouts/<rank>.csv of `ergopath plan --rollouts`; two of the latter with --paired.
+    /// A recording (MVNX, BVH, AMC with its ASF, folder of rigid-body CSV files, or with --map C3D, TRC and
+    /// tables), a CSV of joint angles, or a rollouts/<rank>.csv of `ergopath plan --rollouts`; two of the latter with --paired.
     #[arg(
         required_unless_present = "worksheet",
         conflicts_with = "worksheet",
@@ -40,6 +40,9 @@ pub(super) struct Args {
     /// Which person of a folder with several.
     #[arg(long)]
     pub person: Option<String>,
+    /// What makes the markers of C3D and TRC files, or the points of tables, the segments of a person.
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: Option<PathBuf>,
     /// Arms to score: right, left or both; without it every arm that the motion knows.
     #[arg(long, value_parser = parse_sides, value_name = "right|left|both")]
     pub side: Option<Sides>,

@@ -6,7 +6,7 @@ use super::{Failure, Outcome};
 use crate::ergonomics::{PairedDifference, TimeRules, paired_difference};
 use crate::files::{InputError, Outputs};
 use crate::human::{Body, Side, Stance};
-use crate::recording::read;
+use crate::recording::{read_map, read_with};
 use crate::report::{Picked, sheet_files};
 use crate::scenario::{Scenario, read_scenario};
 use crate::scoring::{
@@ -144,14 +144,15 @@ fn score(path: &Path, setting: &Setting, args: &Args) -> Result<Scored, InputErr
 
 fn read_any(path: &Path, setting: &Setting, args: &Args) -> Result<Motion, InputError> {
     let is_csv = path.extension().is_some_and(|x| x.eq_ignore_ascii_case("csv"));
-    if is_csv && !path.is_dir() {
+    if is_csv && !path.is_dir() && args.map.is_none() {
         if let Some(person) = &args.person {
             let message = format!("holds one person, so `{person}` cannot be picked");
             return Err(InputError::new(path, message).remedy("leave out --person for CSV files"));
         }
         return read_angles(path, &setting.body, setting.stance, setting.duration_s);
     }
-    let recording = read(path, args.person.as_deref())?;
+    let map = args.map.as_deref().map(read_map).transpose()?;
+    let recording = read_with(path, args.person.as_deref(), map.as_ref())?;
     let both = [Side::Right, Side::Left];
     let sides = if setting.sides.is_empty() { &both[..] } else { &setting.sides };
     read_recorded(&recording, &setting.body, sides)

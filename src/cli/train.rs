@@ -6,6 +6,7 @@ use super::{Failure, Outcome};
 use crate::files::{InputError, Outputs, suggest};
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::{MODEL_SCHEMA, Method, PostureModel, model_text};
+use crate::recording::{Map, read_map};
 use crate::report::{Learned, ReportError, held_out_figure, weights_figure};
 use crate::training::people::{Person, people_dataset, read_people, read_people_file};
 use crate::training::{
@@ -18,7 +19,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Recordings of one person: MVNX and BVH files, AMC files with their ASF, folders of rigid-body CSV
-    /// files, or joint-motion CSV files; or a TOML file that names several people.
+    /// files, joint-motion CSV files, or with --map C3D and TRC files and tables; or a TOML file that names
+    /// several people.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
     /// Body of the person, or the one in which the postures of several people meet: a shipped one by
@@ -31,6 +33,9 @@ pub(super) struct Args {
     /// Which person of a folder with several.
     #[arg(long)]
     person: Option<String>,
+    /// What makes the markers of C3D and TRC files, or the points of tables, the segments of a person.
+    #[arg(long, value_name = "MAP.toml")]
+    map: Option<PathBuf>,
     /// The hand that holds on to the robot.
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
     side: Side,
@@ -83,15 +88,15 @@ fn parse_method(text: &str) -> Result<Method, String> {
     })
 }
 
-fn whom<'a>(args: &'a Args, body: &'a Body) -> Whom<'a> {
-    Whom { person: args.person.as_deref(), side: args.side, body, pelvis: args.pelvis }
+fn whom<'a>(args: &'a Args, body: &'a Body, map: Option<&'a Map>) -> Whom<'a> {
+    Whom { person: args.person.as_deref(), side: args.side, body, pelvis: args.pelvis, map }
 }
 
 /// The recordings of one person, or of the several of a people file.
-fn read_recorded(args: &Args, body: &Body) -> Result<(Vec<Source>, Dataset), InputError> {
+fn read_recorded(args: &Args, whom: &Whom) -> Result<(Vec<Source>, Dataset), InputError> {
     let is_people = |path: &PathBuf| path.extension().is_some_and(|x| x == "toml");
     let Some(file) = args.recordings.iter().find(|path| is_people(path)) else {
-        return read_person(&args.recordings, &whom(args, body));
+        return read_person(&args.recordings, whom);
     };
     if args.recordings.len() > 1 {
         return Err(InputError::new(file, "names several people, and other recordings are given")
@@ -101,8 +106,12 @@ fn read_recorded(args: &Args, body: &Body) -> Result<(Vec<Source>, Dataset), Inp
         return Err(InputError::new(file, "names several people, who are learned as a whole")
             .remedy("leave out --person and --pelvis"));
     }
+    if args.map.is_some() {
+        return Err(InputError::new(file, "names several people, each with a map of their own")
+            .remedy("leave out --map, and add map = \"..\" to each [[person]]"));
+    }
     let people = read_people(&read_people_file(file)?)?;
-    let dataset = people_dataset(&people, body)?;
+    let dataset = people_dataset(&people, whom.body)?;
     let whose = |p: Person| {
         p.sources
             .into_iter()
@@ -115,8 +124,9 @@ fn read_recorded(args: &Args, body: &Body) -> Result<(Vec<Source>, Dataset), Inp
 pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let body = Body::load(&args.body, Path::new("."))?;
     let settings = TrainSettings { pull: args.pull, ..Default::default() };
-    let (sources, dataset) = read_recorded(args, &body)?;
-    let whom = whom(args, &body);
+    let map = args.map.as_deref().map(read_map).transpose()?;
+    let whom = whom(args, &body, map.as_ref());
+    let (sources, dataset) = read_recorded(args, &whom)?;
     let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
     let name = args.name.clone().unwrap_or_else(|| stem.replace('_', " "));
     // What cannot be written must not cost minutes.

@@ -1,6 +1,7 @@
-//! Places of markers over time, as C3D and TRC files hold them: not yet the segments of a person.
+//! Places of markers over time, as C3D and TRC files and tables hold them: not yet the segments of a person.
 
 mod c3d;
+pub(super) mod table;
 mod trc;
 
 use crate::files::InputError;
@@ -20,9 +21,10 @@ const UNITS_M: [(&str, f64); 9] = [
     ("inches", 0.0254),
     ("ft", 0.3048),
 ];
-const KNOWN_UNITS: &str = "known units are m, cm, mm, in and ft: export the file in one of them";
+pub(super) const KNOWN_UNITS: &str =
+    "known units are m, cm, mm, in and ft: export the file in one of them";
 /// Highest rate believed, Hz.
-const HIGHEST_RATE_HZ: f64 = 10_000.0;
+pub(super) const HIGHEST_RATE_HZ: f64 = 10_000.0;
 
 /// Markers over time, in the axes of the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +59,7 @@ pub fn read_markers(path: &Path) -> Result<Markers, InputError> {
 }
 
 /// The length of a unit (m) by its name.
-fn unit_m(name: &str) -> Option<f64> {
+pub(super) fn unit_m(name: &str) -> Option<f64> {
     let name = name.trim();
     UNITS_M.iter().find(|(unit, _)| unit.eq_ignore_ascii_case(name)).map(|(_, length)| *length)
 }

@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! # simulated operator            first line of a file that no person made
-//! trial,time_s,pelvis_up_m,...,jL5S1_Z_rad,...    `trial` may be left out; one column per joint, rad
+//! # fitted recording              first line of a file that `ergopath import` wrote
+//! trial,time_s,pelvis_up_m,...,jL5S1_Z_rad,...[,stepping]    `trial` may be left out; one column per joint, rad
 //! ```
 //! The pelvis (displacement from where it is upright, m, and turn, rad) is in all six columns or in none.
 //! Within a trial the time step is uniform. Angles are filtered like those of recordings (6 Hz) and
-//! differentiated; what the filter carries across a limit by a hair is left there.
+//! differentiated; what the filter carries across a limit by a hair is left there. Those of a fitted recording are
+//! filtered already, and may be as far beyond a limit as the fit allows; `stepping` is 1 where a foot steps.
 
 use super::dataset::Trial;
 use super::fit::FitSettings;
@@ -20,6 +22,10 @@ use std::path::Path;
 
 /// First line of a file of simulated movements.
 pub const SIMULATED_MARK: &str = "# simulated operator";
+/// First line of a file of movements that were fitted to a recording.
+pub const FITTED_MARK: &str = "# fitted recording";
+/// Column of whether a foot steps.
+const STEPPING: &str = "stepping";
 /// Angles beyond a limit by no more than this are rounding, rad.
 const LIMIT_TOLERANCE: f64 = 1e-4;
 /// Largest departure of a time step from the mean step of its trial, as a part of it.
@@ -60,7 +66,13 @@ fn parse_motion(
     let has_pelvis = table.columns.iter().any(|c| PELVIS_JOINTS.iter().any(|p| column_of(p) == *c));
     let pelvis = if has_pelvis { Pelvis::Moves } else { Pelvis::Rests };
     let chain = body.chain(Coupled { hands: side.into(), pelvis }, &[])?;
+    let is_fitted = bytes.starts_with(FITTED_MARK.as_bytes());
     let limits = body.limits(&chain);
+    let limits = if is_fitted {
+        limits.widened(FitSettings::default().limit_slack_deg.to_radians())
+    } else {
+        limits
+    };
     let joints: Vec<String> = chain.joints().iter().map(|j| j.name.clone()).collect();
     refuse_unknown(path, &table, &joints)?;
     let time = table.index("time_s")?;
@@ -70,6 +82,7 @@ fn parse_motion(
     let units: Vec<f64> = joints.iter().map(|j| column_unit(j, body)).collect();
     let value = |row: &[f64], i: usize| row[columns[i]] / units[i];
     let trial = table.columns.iter().position(|c| c == "trial");
+    let stepping = table.columns.iter().position(|c| c == STEPPING);
     let source = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
     for (i, row) in table.rows.iter().enumerate() {
@@ -94,12 +107,18 @@ fn parse_motion(
     for (name, rows) in groups {
         let times: Vec<f64> = rows.iter().map(|&i| table.rows[i][time]).collect();
         let rate_hz = uniform_rate(path, &times, rows[0])?;
-        is_filtered &= FitSettings::default().cutoff_hz < 0.25 * rate_hz;
+        is_filtered &= is_fitted || FitSettings::default().cutoff_hz < 0.25 * rate_hz;
         let angles: Vec<Vec<f64>> = (0..columns.len())
             .map(|c| rows.iter().map(|&i| value(&table.rows[i], c)).collect())
             .collect();
         let label = if trial.is_some() { format!("{source} trial {name}") } else { source.clone() };
-        trials.push(trial_of(label, rate_hz, &angles));
+        let steps = stepping.map(|c| rows.iter().map(|&i| table.rows[i][c] > 0.5).collect());
+        let own = if is_fitted {
+            as_it_is(label, rate_hz, &angles)
+        } else {
+            trial_of(label, rate_hz, &angles)
+        };
+        trials.push(Trial { stepping: steps.unwrap_or_default(), ..own });
     }
     Ok(MotionFile {
         source,
@@ -113,7 +132,7 @@ fn parse_motion(
 fn refuse_unknown(path: &Path, table: &NumericTable, joints: &[String]) -> Result<(), InputError> {
     let known = || {
         let joints = joints.iter().map(|j| column_of(j));
-        joints.chain(["trial".to_owned(), "time_s".to_owned()])
+        joints.chain(["trial".to_owned(), "time_s".to_owned(), STEPPING.to_owned()])
     };
     for column in &table.columns {
         if !known().any(|k| k == *column) {
@@ -188,11 +207,16 @@ pub fn trial_of(source: String, rate_hz: f64, angles: &[Vec<f64>]) -> Trial {
     let cutoff = FitSettings::default().cutoff_hz;
     let smooth: Vec<Vec<f64>> =
         angles.iter().map(|a| low_pass_zero_phase(a, rate_hz, cutoff)).collect();
+    as_it_is(source, rate_hz, &smooth)
+}
+
+/// A trial from columns of angles that are smooth (rad).
+fn as_it_is(source: String, rate_hz: f64, smooth: &[Vec<f64>]) -> Trial {
     let rates: Vec<Vec<f64>> = smooth.iter().map(|a| differentiate(a, 1.0 / rate_hz)).collect();
     let rows = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        (0..angles[0].len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()
+        (0..smooth[0].len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()
     };
-    Trial { source, rate_hz, q: rows(&smooth), qdot: rows(&rates), stepping: Vec::new() }
+    Trial { source, rate_hz, q: rows(smooth), qdot: rows(&rates), stepping: Vec::new() }
 }
 
 /// The text of a joint-motion file of a body: comment lines, header, rows rounded to 1e-5 (s, rad, m).

@@ -19,7 +19,7 @@ use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;
 use crate::math::Vec3;
-use crate::recording::{Recording, read};
+use crate::recording::{Recording, read_with};
 use rayon::prelude::*;
 
 /// Fewest and most stature (m) that a recorded arm may ask for; beyond, the nearest is taken.
@@ -60,14 +60,16 @@ pub fn read_people(file: &PeopleFile) -> Result<Vec<Person>, InputError> {
 }
 
 fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
+    let map = entry.map.as_ref();
     let recordings: Result<Vec<Recording>, InputError> =
-        entry.recordings.par_iter().map(|path| read(path, None)).collect();
+        entry.recordings.par_iter().map(|path| read_with(path, None, map)).collect();
     let recordings = recordings?;
     let body = match &entry.body {
         Some(body) => body.clone(),
         None => sized(&entry.name, entry.side, &recordings)?,
     };
-    let whom = Whom { person: None, side: entry.side, body: &body, pelvis: Some(Pelvis::Moves) };
+    let whom =
+        Whom { person: None, side: entry.side, body: &body, pelvis: Some(Pelvis::Moves), map };
     let read: Result<Vec<(Movement, Source)>, InputError> = entry
         .recordings
         .par_iter()
@@ -110,7 +112,7 @@ pub fn people_dataset(people: &[Person], body: &Body) -> Result<Dataset, InputEr
 }
 
 /// A man's body with arms as long as the recorded ones: nobody says how tall the person is.
-fn sized(name: &str, side: Side, recordings: &[Recording]) -> Result<Body, InputError> {
+pub(super) fn sized(name: &str, side: Side, recordings: &[Recording]) -> Result<Body, InputError> {
     let model = Body::load("male_p50", std::path::Path::new("."))?;
     let part = |part: &str| format!("{}{part}", side.prefix());
     let chain = model.chain(

@@ -8,7 +8,7 @@ use super::over_feet::{OverFeet, over_feet};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
-use crate::recording::{Remark, grouped, read};
+use crate::recording::{Map, Recording, Remark, grouped, read_with};
 use std::path::{Path, PathBuf};
 
 /// Joints from the pelvis to a grip.
@@ -25,6 +25,8 @@ pub struct Whom<'a> {
     pub body: &'a Body,
     /// Whether the pelvis moves in what is learned: as asked, or where all recordings hold the legs.
     pub pelvis: Option<Pelvis>,
+    /// What makes markers the segments of a person.
+    pub map: Option<&'a Map>,
 }
 
 /// What one recording gave.
@@ -98,18 +100,22 @@ pub fn read_person(
 /// Where it cannot be read, or the person is not in it.
 pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
     let is_csv = path.extension().is_some_and(|x| x.eq_ignore_ascii_case("csv"));
-    if is_csv && !path.is_dir() {
+    if is_csv && !path.is_dir() && whom.map.is_none() {
         return from_angles(path, whom);
     }
-    let recording = read(path, whom.person)?;
+    from_recording(&read_with(path, whom.person, whom.map)?, whom)
+}
+
+/// Fits the body to a recording.
+pub(super) fn from_recording(recording: &Recording, whom: &Whom) -> Result<Source, InputError> {
     let settings = FitSettings::default();
-    let motion = fit(&recording, whom.body, whom.side, &settings)?;
+    let motion = fit(recording, whom.body, whom.side, &settings)?;
     let report = motion.report.clone();
     let mut remarks: Vec<Remark> =
         recording.remarks.iter().chain(&report.remarks).cloned().collect();
     let mut trial = Trial::from(&motion);
     if whom.pelvis != Some(Pelvis::Rests) {
-        if let Some(standing) = over_feet(&recording, whom.body, settings.cutoff_hz)? {
+        if let Some(standing) = over_feet(recording, whom.body, settings.cutoff_hz)? {
             remarks.extend(standing_remarks(&standing));
             trial = Trial { stepping: standing.stepping, ..trial.on_pelvis(&standing.pelvis) };
         } else if whom.pelvis.is_some() {
@@ -229,6 +235,9 @@ pub fn provenance(sources: &[Source], whom: &Whom) -> Provenance {
         ] {
             settings.push((format!("fit_{name}"), value.to_string()));
         }
+    }
+    if let Some(map) = whom.map {
+        settings.push(("map".to_owned(), map.name.clone()));
     }
     if let Some(person) = whom.person {
         settings.push(("person".to_owned(), person.to_owned()));

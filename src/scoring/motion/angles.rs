@@ -131,7 +131,7 @@ impl Columns {
         let mut joints = Vec::new();
         for (i, name) in table.columns.iter().enumerate() {
             // No angle depends on where the feet are.
-            let aside = [&["trial", "rollout"][..], &FEET_COLUMNS].concat();
+            let aside = [&["trial", "rollout", "stepping"][..], &FEET_COLUMNS].concat();
             if i == time || aside.contains(&name.as_str()) {
                 continue;
             }

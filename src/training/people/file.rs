@@ -2,6 +2,7 @@
 
 use crate::files::{InputError, parse_toml, read_text};
 use crate::human::{Body, Side};
+use crate::recording::{Map, read_map};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -28,6 +29,8 @@ pub(super) struct Entry {
     /// As given; none where it is to be sized by the recordings.
     pub body: Option<Body>,
     pub side: Side,
+    /// What makes markers segments.
+    pub map: Option<Map>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -46,6 +49,7 @@ struct TypedPerson {
     body: Option<Spanned<String>>,
     #[serde(default)]
     side: Option<Side>,
+    map: Option<Spanned<String>>,
 }
 
 impl PeopleFile {
@@ -110,7 +114,11 @@ pub fn read_people_file(path: &Path) -> Result<PeopleFile, InputError> {
             None => None,
         };
         let side = person.side.unwrap_or(Side::Right);
-        people.push(Entry { name: name.clone(), recordings, body, side });
+        let map = person.map.as_ref().map(|map| {
+            read_map(&folder.join(map.as_ref()))
+                .map_err(|e| e.named_in(path, "map", &text, map.span()))
+        });
+        people.push(Entry { name: name.clone(), recordings, body, side, map: map.transpose()? });
     }
     Ok(PeopleFile { path: path.to_owned(), people })
 }
