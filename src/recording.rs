@@ -164,6 +164,10 @@ fn refusal(path: &Path, extension: &str) -> InputError {
             .remedy("check the path; paths inside a scenario are relative to the scenario file");
     }
     match extension {
+        "csv" if !path.to_string_lossy().ends_with("_pose_saved.csv") => {
+            InputError::new(path, "is a table, which does not say what its columns are")
+                .remedy("say with --map which columns are points, and which points make which segments")
+        }
         "csv" => InputError::new(path, "is one body of a rigid-body recording")
             .remedy("give the folder that holds the CSV files of all bodies instead"),
         "mvn" => InputError::new(path, "is a recording in its maker's own binary format")

@@ -30,7 +30,8 @@ pub(super) fn explain(path: &Path, map: Option<&Map>) -> Result<Explained, Input
         "yaml" | "yml" => trajectory(path),
         "urdf" => urdf(path),
         "csv" if map.is_none() => table(path),
-        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" | "csv" | "tsv" | "txt" => {
+        "csv" | "txt" if map.is_some() => Ok(recording(&read_with(path, None, map)?)),
+        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" | "tsv" => {
             Ok(recording(&read_with(path, None, map)?))
         }
         _ => {

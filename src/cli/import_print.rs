@@ -99,8 +99,8 @@ fn sizes(file: &ImportedFile) {
 }
 
 fn table(file: &ImportedFile, run: usize) -> Table {
-    let mut table =
-        plain(&["segment", "constant", "scatter", "95 % in", "constant", "scatter", "95 % in"]);
+    let mut table = plain(&["", "joint centre", "", "", "axes", "", ""]);
+    table.add_row(["segment", "constant", "scatter", "95 % in", "constant", "scatter", "95 % in"]);
     for segment in &file.runs[run].segments {
         let figures = |r: &Residuals, unit: &str, digits: usize| {
             [r.constant, r.median, r.p95].map(|v| format!("{v:.digits$} {unit}"))

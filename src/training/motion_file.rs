@@ -30,7 +30,7 @@ const STEPPING: &str = "stepping";
 const LIMIT_TOLERANCE: f64 = 1e-4;
 /// Largest departure of a time step from the mean step of its trial, as a part of it.
 const STEP_TOLERANCE: f64 = 0.02;
-const FEWEST_ROWS: usize = 8;
+pub(super) const FEWEST_ROWS: usize = 8;
 
 /// What a joint-motion file holds.
 #[derive(Debug, Clone, PartialEq)]

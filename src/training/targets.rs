@@ -114,6 +114,9 @@ fn required<'a>(recording: &'a Recording, name: &str) -> Result<&'a SegmentTrack
     recording.segment(name).ok_or_else(|| {
         let present: Vec<&str> = recording.segments.iter().map(|s| s.name.as_str()).collect();
         InputError::new(&recording.source, format!("has no segment `{name}`, which a fit needs"))
-            .remedy(format!("present are: {}", present.join(", ")))
+            .remedy(format!(
+                "present are: {}; joint angles of an arm are told against the trunk, and that against the pelvis",
+                present.join(", ")
+            ))
     })
 }

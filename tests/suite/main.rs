@@ -24,6 +24,7 @@ mod ergonomics_properties;
 mod ergonomics_tables;
 mod evaluate_cli;
 mod fit_real;
+mod import_cli;
 mod inputs_cli;
 #[cfg(feature = "peers")]
 mod kinematics_peer;

@@ -3,8 +3,9 @@
 use super::{ImportedFile, word};
 use crate::human::{Pelvis, Side};
 use crate::math::stats;
-use crate::recording::{Recording, Run};
+use crate::recording::{Recording, Remark, Run, grouped};
 use crate::training::fit_report::FitReport;
+use crate::training::motion_file::FEWEST_ROWS;
 use crate::training::source::Whom;
 
 /// The other hand goes so many times as far as the one that is followed,
@@ -27,24 +28,24 @@ const SLIDES_MM: f64 = 50.0;
 const TURNED_DEG: f64 = 3.0;
 
 pub(super) fn all(files: &[ImportedFile], read: &[Vec<Run>], whom: &Whom) -> Vec<String> {
-    let mut found = Vec::new();
-    for (file, runs) in files.iter().zip(read) {
-        let named = |text: String| format!("{}: {text}", file.name);
+    let of = |(file, runs): (&ImportedFile, &Vec<Run>)| -> Vec<Remark> {
         let recordings = || runs.iter().map(|r| &r.recording);
-        found.extend(idle(recordings(), whom.side).map(named));
-        found.extend(residual(file).map(named));
-        found.extend(sits(recordings(), whom).map(named));
-        found.extend(borders(file).map(named));
-        if let Some([arm, leg]) = file.sizes.conflict() {
-            found.push(named(format!(
-                "its arms are those of a person of {arm:.2} m, its legs of {leg:.2} m: the body takes the arms' \
-                 size unless --body says otherwise"
-            )));
-        }
-        found.extend(pressed(file).map(named));
-        found.extend(feet(file).map(named));
-    }
-    found.extend(two_people(files));
+        let found = [
+            idle(recordings(), whom.side),
+            residual(file),
+            sits(recordings(), whom),
+            few(file),
+            borders(file),
+            sizes(file),
+            pressed(file),
+            feet(file),
+        ];
+        found.into_iter().flatten().collect()
+    };
+    let remarks: Vec<Vec<Remark>> = files.iter().zip(read).map(of).collect();
+    let named = files.iter().zip(&remarks).map(|(f, r)| (f.name.as_str(), r.as_slice()));
+    let mut found: Vec<String> = two_people(files).into_iter().collect();
+    found.extend(grouped(&named.collect::<Vec<_>>()));
     found.extend(common_turns(files));
     found
 }
@@ -61,16 +62,17 @@ fn way<'a>(recordings: impl Iterator<Item = &'a Recording>, side: Side) -> Optio
     sum
 }
 
-fn idle<'a>(recordings: impl Iterator<Item = &'a Recording> + Clone, side: Side) -> Option<String> {
+fn idle<'a>(recordings: impl Iterator<Item = &'a Recording> + Clone, side: Side) -> Option<Remark> {
     let other = if side == Side::Right { Side::Left } else { Side::Right };
     let (own, others) = (way(recordings.clone(), side)?, way(recordings, other)?);
     (others > IDLE_WAY_M && others > IDLE * own).then(|| {
-        format!(
+        let text = format!(
             "the {} hand goes {own:.2} m, the {} one {others:.2} m: did you mean --side {}?",
             word(side),
             word(other),
             word(other)
-        )
+        );
+        Remark::new("idle hand", text).of_size(others)
     })
 }
 
@@ -78,18 +80,19 @@ fn reports(file: &ImportedFile) -> impl Iterator<Item = &FitReport> {
     file.runs.iter().filter_map(|r| r.source.fit())
 }
 
-fn residual(file: &ImportedFile) -> Option<String> {
+fn residual(file: &ImportedFile) -> Option<Remark> {
     let worst = reports(file).map(|r| r.hand_residual_mm.p95).fold(0.0, f64::max);
     (worst > LARGE_MM).then(|| {
-        format!(
+        let text = format!(
             "the hand of the body is {worst:.0} mm off the recorded one in one frame of twenty, over 5 cm: another \
              --body, or look at the recording before it is used"
-        )
+        );
+        Remark::new("residual", text).of_size(worst)
     })
 }
 
 /// Knees that stay bent while the hips stay where they are.
-fn sits<'a>(recordings: impl Iterator<Item = &'a Recording>, whom: &Whom) -> Option<String> {
+fn sits<'a>(recordings: impl Iterator<Item = &'a Recording>, whom: &Whom) -> Option<Remark> {
     if whom.pelvis == Some(Pelvis::Rests) {
         return None;
     }
@@ -110,44 +113,66 @@ fn sits<'a>(recordings: impl Iterator<Item = &'a Recording>, whom: &Whom) -> Opt
     }
     let (bend, way) = (stats::quantile(&bends, 0.1), stats::quantile(&ways, 0.95));
     (bend > SITS && way < SEATED_WAY_M).then(|| {
-        format!(
+        let text = format!(
             "the knees stay bent by {:.0} deg and the hips where they are: if the person sits, add --pelvis rests",
             bend.to_degrees()
-        )
+        );
+        Remark::new("sits", text).of_size(bend)
     })
 }
 
-fn borders(file: &ImportedFile) -> Option<String> {
+/// Too few frames to be read again as a motion.
+fn few(file: &ImportedFile) -> Option<Remark> {
+    let fewest = reports(file).map(|r| r.frames).min().filter(|n| *n < FEWEST_ROWS)?;
+    let text = format!(
+        "{fewest} frames are imported, and nothing is learned from fewer than {FEWEST_ROWS}"
+    );
+    Some(Remark::new("few frames", text))
+}
+
+fn borders(file: &ImportedFile) -> Option<Remark> {
     let left_out = file.runs.first()?.frames_left_out;
     (left_out > 0).then(|| {
-        format!(
+        let text = format!(
             "{} runs between long gaps, each a trial of its own; {left_out} frames are in none of them",
             file.runs.len()
-        )
+        );
+        Remark::new("runs", text).of_size(left_out as f64)
     })
 }
 
-fn pressed(file: &ImportedFile) -> Option<String> {
+fn sizes(file: &ImportedFile) -> Option<Remark> {
+    let [arm, leg] = file.sizes.conflict()?;
+    let text = format!(
+        "its arms are those of a person of {arm:.2} m, its legs of {leg:.2} m: the body takes the arms' size unless \
+         --body says otherwise"
+    );
+    Some(Remark::new("sizes", text).of_size((arm / leg - 1.0).abs()))
+}
+
+fn pressed(file: &ImportedFile) -> Option<Remark> {
     let worst = reports(file)
         .max_by(|a, b| a.frames_at_limit_share.total_cmp(&b.frames_at_limit_share))
         .filter(|r| r.frames_at_limit_share > PRESSED)?;
     let joints: Vec<&str> = worst.joints_at_limit.iter().take(3).map(|(j, _)| j.as_str()).collect();
-    Some(format!(
+    let text = format!(
         "a joint is at its limit in {:.0} % of the frames ({}): its angles are those of the limit there, not of the \
          person",
         100.0 * worst.frames_at_limit_share,
         joints.join(", ")
-    ))
+    );
+    Some(Remark::new("limits", text).of_size(worst.frames_at_limit_share))
 }
 
-fn feet(file: &ImportedFile) -> Option<String> {
+fn feet(file: &ImportedFile) -> Option<Remark> {
     let feet = file.runs.iter().filter_map(|r| r.feet);
     let worst = feet.max_by(|a, b| a.largest_mm.total_cmp(&b.largest_mm))?;
     (worst.largest_mm > SLIDES_MM).then(|| {
-        format!(
+        let text = format!(
             "a planted foot slides by up to {:.0} mm while it stands: heights and steps are as uncertain",
             worst.largest_mm
-        )
+        );
+        Remark::new("sliding feet", text).of_size(worst.largest_mm)
     })
 }
 
