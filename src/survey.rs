@@ -99,6 +99,12 @@ impl LegAngles {
             short_m: legs[0].short_m.max(legs[1].short_m),
         }
     }
+
+    /// Of somebody who stands and was recorded: knees, and the lower heel where it is known (deg).
+    pub fn recorded(knees_deg: [f64; 2], heels_deg: Option<f64>) -> Self {
+        let heels_deg = heels_deg.unwrap_or(0.0);
+        Self { knees_deg, heels_deg, is_unstable: heels_deg > ON_TOES_DEG, short_m: 0.0 }
+    }
 }
 
 /// Rise of both heels from which the person stands on the fore-feet, deg.
@@ -111,6 +117,25 @@ impl PostureAngles {
     pub fn trunk_neck(&self, rule: NeckRule) -> &TrunkNeckAngles {
         let place = NeckRule::ALL.iter().position(|r| *r == rule).unwrap_or(0);
         &self.necks[place]
+    }
+
+    /// Trunk, and the neck of a head that is held otherwise.
+    pub fn with_head(&self, head: Head) -> TrunkNeckAngles {
+        let own = self.trunk_neck(NeckRule::Neutral);
+        let upright = Rotation::identity();
+        let turned = trunk_neck_angles(&BodyPose {
+            pelvis: upright,
+            thorax: upright,
+            head: head.rotation().to_rotation_matrix(),
+            l5s1: Vec3::zeros(),
+            c7t1: Vec3::y(),
+        });
+        TrunkNeckAngles {
+            neck_flex_deg: turned.neck_flex_deg,
+            neck_side_deg: turned.neck_side_deg,
+            neck_twist_deg: turned.neck_twist_deg,
+            ..*own
+        }
     }
 
     /// The head as it is drawn: predicted, or looking at the part; by the old rules as predicted too.
@@ -455,6 +480,34 @@ mod tests {
         // The left side counts the same way.
         near(angles(Side::Left, &[("jLeftElbow_Y", -130.0)]).arm.wrist_twist_deg, 40.0);
         near(angles(Side::Left, &[("jLeftShoulder_X", 40.0)]).arm.upper_arm_abduction_deg, 40.0);
+    }
+
+    #[test]
+    fn a_head_that_is_held_otherwise_turns_the_neck_only() {
+        let (_, surveyor) = surveyor(Side::Right);
+        let q = DVector::from_fn(24, |i, _| 0.02 * (i as f64 - 12.0));
+        let a = surveyor.measure(&q, &HeadDraw::mean(Some(Side::Right)));
+        let again = a.with_head(a.head(NeckRule::Predicted));
+        let own = a.trunk_neck(NeckRule::Predicted);
+        for (again, own) in [
+            (again.neck_flex_deg, own.neck_flex_deg),
+            (again.neck_side_deg, own.neck_side_deg),
+            (again.neck_twist_deg, own.neck_twist_deg),
+            (again.trunk_flex_deg, own.trunk_flex_deg),
+            (again.trunk_twist_deg, own.trunk_twist_deg),
+        ] {
+            assert!((again - own).abs() < 1e-9, "{again} {own}");
+        }
+        let straight = a.with_head(Head::default());
+        assert!(straight.neck_flex_deg.abs() < 1e-9 && straight.neck_twist_deg.abs() < 1e-9);
+        assert!(own.neck_flex_deg.abs() > 0.1 && own.neck_twist_deg.abs() > 0.1);
+    }
+
+    #[test]
+    fn recorded_feet_carry_unless_both_heels_are_up() {
+        let legs = |heels| LegAngles::recorded([20.0, 40.0], heels);
+        assert!(!legs(None).is_unstable && !legs(Some(9.0)).is_unstable);
+        assert!(legs(Some(11.0)).is_unstable);
     }
 
     #[test]

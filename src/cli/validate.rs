@@ -5,8 +5,8 @@ use super::validate_print::{as_json, print_text};
 use super::{Failure, Outcome};
 use crate::files::InputError;
 use crate::human::Body;
-use crate::posture::load_model;
-use crate::training::people::{read_people, read_people_file, validate, validate_model};
+use crate::posture::{PostureModel, load_model};
+use crate::training::people::{Person, read_people, read_people_file, validate, validate_model};
 use crate::training::{TrainSettings, remarks_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -28,6 +28,26 @@ pub(super) struct Args {
     json: bool,
 }
 
+/// A saved model that was judged.
+pub(super) struct Judged {
+    /// Its name.
+    pub name: String,
+    /// How many recordings it was judged on.
+    pub recordings: usize,
+    /// How many of them it was learned from.
+    pub learned: usize,
+}
+
+impl Judged {
+    fn new(model: &PostureModel, people: &[Person]) -> Self {
+        let known = model.provenance.recordings.iter().map(|(_, sha256)| sha256);
+        let known: BTreeSet<&String> = known.collect();
+        let all = || people.iter().flat_map(|p| &p.sources);
+        let learned = all().filter(|s| known.contains(&s.sha256)).count();
+        Self { name: model.name.clone(), recordings: all().count(), learned }
+    }
+}
+
 /// Reads everybody, leaves each person out, and prints.
 pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let file = read_people_file(&args.people)?;
@@ -36,6 +56,19 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let progress = Progress::new();
     progress.tell("reading", 0, file.count());
     let people = read_people(&file)?;
+    drop(progress);
+    // Known before minutes are spent.
+    for remark in remarks_of(people.iter().flat_map(|p| &p.sources)) {
+        complain!("warning: {remark}");
+    }
+    let judged = model.as_ref().map(|(model, _)| Judged::new(model, &people));
+    if let Some(Judged { name, recordings, learned }) = judged.as_ref().filter(|j| j.learned > 0) {
+        complain!(
+            "warning: {name} was learned from {learned} of these {recordings} recordings: it looks better on them \
+             than on people whom it has not seen"
+        );
+    }
+    let progress = Progress::new();
     let mut told = |done: usize, total: usize| {
         progress.tell(
             if model.is_some() { "people judged" } else { "people left out" },
@@ -53,28 +86,10 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let Some(found) = found else {
         return Err(InputError::new(&args.people, "was not finished: interrupted").into());
     };
-    for remark in remarks_of(people.iter().flat_map(|p| &p.sources)) {
-        complain!("warning: {remark}");
-    }
-    if let Some((model, _)) = &model {
-        let known = model.provenance.recordings.iter().map(|(_, sha256)| sha256);
-        let known: BTreeSet<&String> = known.collect();
-        let all = || people.iter().flat_map(|p| &p.sources);
-        let learned = all().filter(|s| known.contains(&s.sha256)).count();
-        if learned > 0 {
-            complain!(
-                "warning: {} was learned from {learned} of these {} recordings: it looks better on them than \
-                 on people whom it has not seen",
-                model.name,
-                all().count()
-            );
-        }
-    }
-    let judged = model.as_ref().map(|(model, _)| model.name.as_str());
     if args.json {
-        say!("{}", as_json(&found, judged));
+        say!("{}", as_json(&found, judged.as_ref()));
     } else {
-        print_text(&found, judged);
+        print_text(&found, judged.as_ref());
     }
     Ok(Outcome::Done)
 }

@@ -1,12 +1,14 @@
 //! What `validate` says.
 
+use super::validate::Judged;
+use crate::ergonomics::{BodyPart, PerMethod, ScoringMethod};
 use crate::math::stats::{mean, quantile};
 use crate::training::people::{
-    FEATURES, LeftOut, MovementScore, PersonScore, Predictor, StandingScore,
+    Agreement, CENTRES, FEATURES, Known, LeftOut, MovementScore, Predictor, REPETITIONS, coverage,
 };
-use crate::words::number::percent;
+use crate::words::number::{change, percent, score};
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 const PREDICTORS: &str = "  \
   RMS error over time against the recording, mean over movements. full-w is what `train` learns,
@@ -19,142 +21,182 @@ const BANDS: &str = "  \
   Share of the recorded frames inside the band. The band knows only the path of the hand and the size
   of the body, as in a plan. Below 90 % it is too narrow: people differ more than it says.";
 
-fn movements(found: &LeftOut) -> Vec<&MovementScore> {
-    found.people.iter().flat_map(|p| &p.movements).collect()
+const RISK: &str = "  \
+  Mean over movements of the error of the score's mean over time, predicted less recorded on average,
+  and Spearman's rank correlation over movements. The first row is what a plan does. The others have no
+  chance in them, and from the hand path alone those that follow the hand begin in the usual posture at
+  its first place. Both sides are scored with free hands, no load and no muscle use.";
+
+/// The four figures of an agreement.
+fn agreed(found: Option<Agreement>) -> Value {
+    found.map_or(Value::Null, |a| json!(a))
 }
 
-/// Mean over movements of the rms of a feature by a predictor.
-fn rms(movements: &[&MovementScore], predictor: Predictor, feature: usize) -> f64 {
-    let of = |m: &&MovementScore| {
-        let found = m.predictors.iter().find(|p| p.predictor == predictor);
-        found.map_or(f64::NAN, |p| p.rms[feature])
+/// `judged`: the saved model that was judged; none where each person was left out.
+pub(super) fn as_json(found: &LeftOut, judged: Option<&Judged>) -> Value {
+    let error = |predictor: Predictor| {
+        let people = found.angle_errors_deg(predictor);
+        json!({"median": quantile(&people, 0.5), "people": people})
     };
-    mean(&movements.iter().map(of).collect::<Vec<_>>())
-}
-
-/// Whether a predictor was there to be judged.
-fn is_known(movements: &[&MovementScore], predictor: Predictor) -> bool {
-    movements.iter().any(|m| m.predictors.iter().any(|p| p.predictor == predictor))
-}
-
-/// Mean coverage (50 or 90 %) of a feature over the frames of movements.
-fn coverage(movements: &[&MovementScore], feature: usize, level: usize) -> f64 {
-    let frames: usize = movements.iter().map(|m| m.frames).sum();
-    let inside: f64 =
-        movements.iter().map(|m| m.frames as f64 * m.bands.features[feature].coverage[level]).sum();
-    inside / frames.max(1) as f64
-}
-
-fn pooled(movements: &[&MovementScore], level: usize) -> f64 {
-    mean(&(0..FEATURES.len()).map(|f| coverage(movements, f, level)).collect::<Vec<_>>())
-}
-
-/// The lowest coverage of a feature of a person.
-fn worst(found: &LeftOut, level: usize) -> f64 {
-    let people = found.people.iter().map(|p| p.movements.iter().collect::<Vec<_>>());
-    people
-        .flat_map(|own| (0..FEATURES.len()).map(move |f| coverage(&own, f, level)))
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// Mean rms of the angles.
-fn angle_error(movements: &[&MovementScore], predictor: Predictor) -> f64 {
-    mean(&(1..FEATURES.len()).map(|f| rms(movements, predictor, f)).collect::<Vec<_>>())
-}
-
-/// `judged`: the name of the saved model that was judged; none where each person was left out.
-pub(super) fn as_json(found: &LeftOut, judged: Option<&str>) -> Value {
-    let all = movements(found);
-    let by_person = |predictor: Predictor| -> Vec<f64> {
-        let of = |p: &PersonScore| angle_error(&p.movements.iter().collect::<Vec<_>>(), predictor);
-        found.people.iter().map(of).collect()
+    let without_chance = |predictor: Predictor| {
+        let mut all = json!({
+            "name": predictor.name(),
+            "posture_error_deg": error(predictor),
+            "centres_cm": by_name(&CENTRES, &found.centres_cm(predictor)),
+        });
+        for method in ScoringMethod::ALL {
+            let of = |known: Known| agreed(found.risk_of(method, predictor, known));
+            all[method.key()] = of(Known::HandPath);
+            all[format!("{}_known_start", method.key())] = of(Known::Start);
+        }
+        all
     };
-    let error = |predictor: Predictor| json!({"median": quantile(&by_person(predictor), 0.5), "people": by_person(predictor)});
-    let baselines: Vec<Value> = Predictor::ALL[1..]
-        .iter()
-        .filter(|p| is_known(&all, **p))
-        .map(|p| json!({"name": p.name(), "posture_error_deg": error(*p)}))
-        .collect();
-    json!({
+    let known = found.predictors();
+    let baselines: Vec<Value> =
+        known.iter().filter(|p| **p != Predictor::FullW).map(|p| without_chance(*p)).collect();
+    let all = found.movements();
+    let crps: Vec<f64> = (0..FEATURES.len()).map(|f| found.crps(f)).collect();
+    let mut value = json!({
         "schema": "ergopath/validation/1",
-        "model": judged,
+        "model": judged.map(|j| &j.name),
+        "recordings": judged.map(|j| j.recordings),
+        "learned_recordings": judged.map(|j| j.learned),
         "persons": found.people,
         "posture_error_deg": error(Predictor::FullW),
-        "coverage50": {"pooled": pooled(&all, 0), "worst": worst(found, 0)},
-        "coverage90": {"pooled": pooled(&all, 1), "worst": worst(found, 1)},
+        "centres_cm": by_name(&CENTRES, &found.centres_cm(Predictor::FullW)),
+        "coverage50": {"pooled": found.pooled(0), "worst": found.worst(0)},
+        "coverage90": {"pooled": found.pooled(1), "worst": found.worst(1)},
+        "crps": by_name(&FEATURES, &crps),
         "energy_score_deg": mean(&all.iter().map(|m| m.bands.energy_deg).collect::<Vec<_>>()),
         "energy_score_one_law_deg": mean(&all.iter().map(|m| m.one_law.energy_deg).collect::<Vec<_>>()),
         "ended_share": mean(&all.iter().map(|m| m.bands.ended_share).collect::<Vec<_>>()),
-        "standing": standing(found).map(|(rms_m, inside_90)| json!({"rms_m": rms_m, "inside90": inside_90})),
+        "standing": found.standing().map(|(rms_m, inside_90)| json!({"rms_m": rms_m, "inside90": inside_90})),
+        "without_chance": without_chance(Predictor::FullW),
         "baselines": baselines,
-    })
+    });
+    for method in ScoringMethod::ALL {
+        let mut risk = json!(found.risk(method));
+        let with = BodyPart::ALL.map(|part| (part, found.risk_with(method, part)));
+        risk["with_recorded"] =
+            with.iter().map(|(part, a)| (part.name().to_owned(), json!(a))).collect();
+        value[method.key()] = risk;
+    }
+    value
 }
 
-/// How well the standing places of the people were predicted, all movements alike; none where no model says.
-fn standing(found: &LeftOut) -> Option<([f64; 2], f64)> {
-    let of = |p: &PersonScore| Some((p.movements.len() as f64, p.standing.clone()?));
-    let all: Vec<(f64, StandingScore)> = found.people.iter().filter_map(of).collect();
-    let count = Some(all.iter().map(|(n, _)| n).sum::<f64>()).filter(|n| *n > 0.0)?;
-    let over = |pick: &dyn Fn(&StandingScore) -> f64| {
-        all.iter().map(|(n, s)| n * pick(s)).sum::<f64>() / count
-    };
-    Some(([0, 1].map(|i| over(&|s| s.rms_m[i].powi(2)).sqrt()), over(&|s| s.inside_90)))
+fn by_name(names: &[&str], values: &[f64]) -> Map<String, Value> {
+    names.iter().zip(values).map(|(name, value)| ((*name).to_owned(), json!(value))).collect()
 }
 
-pub(super) fn print_text(found: &LeftOut, judged: Option<&str>) {
-    let all = movements(found);
+pub(super) fn print_text(found: &LeftOut, judged: Option<&Judged>) {
+    let all = found.movements();
     let people = match found.people.len() {
         1 => "1 person".to_owned(),
         count => format!("{count} people"),
     };
     match judged {
-        Some(model) => say!("{people}, {} movements, predicted by {model}", all.len()),
+        Some(model) => say!("{people}, {} movements, predicted by {}", all.len(), model.name),
         None => say!("{people} left out one by one, {} movements", all.len()),
     }
+    print_postures(found, &all);
+    print_bands(found, &all);
+    print_risk(found);
+    print_rest(found, &all);
+}
+
+fn print_postures(found: &LeftOut, all: &[&MovementScore]) {
     let mut header = vec!["from the recorded first posture".to_owned()];
-    header.extend(
-        FEATURES
-            .iter()
-            .enumerate()
-            .map(|(i, f)| if i == 0 { format!("{f} cm") } else { format!("{f} deg") }),
-    );
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(&header);
-    for predictor in Predictor::ALL.into_iter().filter(|p| is_known(&all, *p)) {
+    let unit = |(i, f): (usize, &&str)| format!("{f} {}", if i == 0 { "cm" } else { "deg" });
+    header.extend(FEATURES.iter().enumerate().map(unit));
+    header.extend(CENTRES.map(|c| format!("{c} cm")));
+    let mut table = table(header);
+    for predictor in found.predictors() {
         let mut row = vec![predictor.name().to_owned()];
-        row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", rms(&all, predictor, f))));
+        row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", found.rms(predictor, f))));
+        row.extend(found.centres_cm(predictor).map(|c| format!("{c:.1}")));
         table.add_row(row);
     }
     let fit = |f: usize| mean(&all.iter().map(|m| m.fit_rms[f]).collect::<Vec<_>>());
     let mut row = vec!["(the fitted body itself)".to_owned()];
     row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", fit(f))));
     table.add_row(row);
-    right(&mut table);
-    say!("\n{table}");
+    show(table);
     say!("{PREDICTORS}");
-    let mut table = Table::new();
-    let header: Vec<&str> =
-        std::iter::once("90 % bands of strangers hold").chain(FEATURES).collect();
-    table.load_style(presets::NOTHING);
-    table.set_header(&header);
+    say!("  Joint centres, of the side that leads, are held against those of the fitted body.");
+}
+
+fn print_bands(found: &LeftOut, all: &[&MovementScore]) {
+    let header = std::iter::once("90 % bands of strangers hold").chain(FEATURES);
+    let mut table = table(header.map(str::to_owned).collect());
+    let held = |name: &str, movements: &[&MovementScore]| {
+        let mut row = vec![name.to_owned()];
+        row.extend((0..FEATURES.len()).map(|f| percent(coverage(movements, f, 1))));
+        row
+    };
     for person in &found.people {
-        let own: Vec<&MovementScore> = person.movements.iter().collect();
-        let mut row = vec![person.person.clone()];
-        row.extend((0..FEATURES.len()).map(|f| percent(coverage(&own, f, 1))));
-        table.add_row(row);
+        table.add_row(held(&person.person, &person.own()));
     }
-    let mut row = vec!["all".to_owned()];
-    row.extend((0..FEATURES.len()).map(|f| percent(coverage(&all, f, 1))));
-    table.add_row(row);
+    table.add_row(held("all", all));
     let width =
         |f: usize| mean(&all.iter().map(|m| m.bands.features[f].width_90).collect::<Vec<_>>());
     let mut row = vec!["width, cm and deg".to_owned()];
     row.extend((0..FEATURES.len()).map(|f| format!("{:.0}", width(f))));
     table.add_row(row);
-    right(&mut table);
-    say!("\n{table}");
+    let mut row = vec!["CRPS, cm and deg".to_owned()];
+    row.extend((0..FEATURES.len()).map(|f| format!("{:.1}", found.crps(f))));
+    table.add_row(row);
+    show(table);
     say!("{BANDS}");
+}
+
+/// The figures of an agreement in a row.
+fn cells(a: Option<Agreement>) -> [String; 3] {
+    let Some(a) = a else { return ["–"; 3].map(str::to_owned) };
+    [score(a.mae), change(a.bias), a.rank_correlation.map_or_else(|| "–".to_owned(), score)]
+}
+
+fn print_risk(found: &LeftOut) {
+    let mut header = vec!["from the hand path alone".to_owned()];
+    for method in ScoringMethod::ALL {
+        header.push(format!("{} error", method.name()));
+        header.extend(["bias", "ranks"].map(str::to_owned));
+    }
+    header.push("RULA error, known start".to_owned());
+    let mut table = table(header);
+    let own = PerMethod::of(|m| found.risk(m));
+    let mut row = vec![format!("full-w, {REPETITIONS} repetitions")];
+    row.extend(ScoringMethod::ALL.into_iter().flat_map(|m| cells(Some(own[m].agreement))));
+    row.push("–".to_owned());
+    table.add_row(row);
+    for predictor in found.predictors() {
+        let once = if predictor == Predictor::FullW { ", without chance" } else { "" };
+        let mut row = vec![format!("{}{once}", predictor.name())];
+        for method in ScoringMethod::ALL {
+            row.extend(cells(found.risk_of(method, predictor, Known::HandPath)));
+        }
+        let known = found.risk_of(ScoringMethod::Rula, predictor, Known::Start);
+        row.push(if predictor.needs_start() { cells(known)[0].clone() } else { "–".to_owned() });
+        table.add_row(row);
+    }
+    show(table);
+    say!("{RISK}");
+    for method in ScoringMethod::ALL {
+        let with = BodyPart::ALL
+            .map(|part| format!("{} {}", part.name(), score(found.risk_with(method, part).mae)));
+        say!(
+            "\n{} of {} of {} movements is inside the 90 % band (mean width {}), of {} inside the 50 % band; \
+             error with one part of the body as recorded: {}",
+            method.name(),
+            percent(own[method].inside90),
+            own[method].movements,
+            score(own[method].width90),
+            percent(own[method].inside50),
+            with.join(", ")
+        );
+    }
+}
+
+fn print_rest(found: &LeftOut, all: &[&MovementScore]) {
     let told: Vec<&MovementScore> = all.iter().copied().filter(|m| !m.modes.is_empty()).collect();
     if !told.is_empty() {
         let energy =
@@ -168,7 +210,7 @@ pub(super) fn print_text(found: &LeftOut, judged: Option<&str>) {
             energy(|m| m.one_law.energy_deg)
         );
     }
-    if let Some((rms_m, inside)) = standing(found) {
+    if let Some((rms_m, inside)) = found.standing() {
         say!(
             "\nwhere they stood at the far end of a movement: {:.0} cm ahead and {:.0} cm to the side from where the \
              others would, rms; {} within what the others say of 90 %",
@@ -184,10 +226,17 @@ pub(super) fn print_text(found: &LeftOut, judged: Option<&str>) {
     );
 }
 
-fn right(table: &mut Table) {
-    for i in 1..=FEATURES.len() {
-        if let Some(column) = table.column_mut(i) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+fn table(header: Vec<String>) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(header);
+    table
+}
+
+/// Numbers to the right.
+fn show(mut table: Table) {
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
     }
+    say!("\n{table}");
 }

@@ -82,6 +82,32 @@ pub fn grouped_median(values: &[f64]) -> f64 {
     middle - 0.5 + (0.5 * whole.len() as f64 - below) / same
 }
 
+/// Spearman's rank correlation of pairs; those that are equal share the mean of their ranks. None where
+/// there are fewer than two pairs, or one of the two is the same everywhere.
+pub fn rank_correlation(x: &[f64], y: &[f64]) -> Option<f64> {
+    let (x, y) = (ranks(x), ranks(y));
+    let middle = 0.5 * (x.len() as f64 + 1.0);
+    let sum = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - middle) * (b - middle)).sum()
+    };
+    let spread = (sum(&x, &x) * sum(&y, &y)).sqrt();
+    (spread > 0.0).then(|| sum(&x, &y) / spread)
+}
+
+/// Place of each value among all, from 1; equal ones share the mean of their places.
+fn ranks(x: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..x.len()).collect();
+    order.sort_by(|a, b| x[*a].total_cmp(&x[*b]));
+    let (mut ranks, mut before) = (vec![0.0; x.len()], 0);
+    for tied in order.chunk_by(|a, b| x[*a].total_cmp(&x[*b]).is_eq()) {
+        for i in tied {
+            ranks[*i] = before as f64 + 0.5 * (tied.len() as f64 + 1.0);
+        }
+        before += tied.len();
+    }
+    ranks
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,6 +153,24 @@ mod tests {
         // Worst quarter of two samples: half of the larger one.
         assert_relative_eq!(cvar_upper(&[1.0, 5.0], 0.25), 5.0);
         assert_relative_eq!(cvar_upper(&[1.0, 5.0], 0.75), (5.0 + 0.5) / 1.5);
+    }
+
+    #[test]
+    fn ranks_that_are_tied_are_shared() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0, 3.0]), [4.0, 1.0, 4.0, 2.0, 4.0]);
+        let of = |x: &[f64], y: &[f64]| rank_correlation(x, y).unwrap();
+        assert_relative_eq!(of(&[1.0, 2.0, 9.0], &[0.1, 0.2, 0.3]), 1.0);
+        assert_relative_eq!(of(&[1.0, 2.0, 9.0], &[5.0, 4.0, -1.0]), -1.0);
+        // Without ties: 1 - 6 sum d^2 / (n (n^2 - 1)), d = 1, 1, 1, 1, 0.
+        let found = of(&[1.0, 2.0, 3.0, 4.0, 5.0], &[2.0, 1.0, 4.0, 3.0, 5.0]);
+        assert_relative_eq!(found, 1.0 - 6.0 * 4.0 / 120.0);
+        // With a tie it is the correlation of the ranks 1, 2.5, 2.5, 4 and 1, 3, 2, 4.
+        assert_relative_eq!(
+            of(&[1.0, 2.0, 2.0, 3.0], &[1.0, 5.0, 3.0, 8.0]),
+            4.5 / (4.5f64 * 5.0).sqrt()
+        );
+        assert!(rank_correlation(&[1.0, 1.0], &[1.0, 2.0]).is_none());
+        assert!(rank_correlation(&[], &[]).is_none());
     }
 
     #[test]

@@ -10,7 +10,6 @@ use crate::human::{
     Body, BodyPart, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin, Pelvis,
     Stance, column_of, column_unit, mirror_sign, mirrored_pose,
 };
-use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::posture::{
     Behaviour, Certain, Coupling, Feet, Footing, Grips, Hold, Mixture, Modelled, PostureLaw, Start,
@@ -22,9 +21,6 @@ use crate::survey::{HeadDraw, Surveyor};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
 use std::ops::Range;
-
-/// Offset of the block number for the heads, so that they draw from other streams than the postures.
-const HEAD_BLOCK: u32 = 1 << 18;
 
 /// How the workers of a scenario move: as its posture model says.
 pub(super) fn modelled(scenario: &Scenario) -> Result<Modelled<'_>, InputError> {
@@ -314,13 +310,10 @@ impl<'a> Person<'a> {
     }
 
     /// How repetition `r` of a block holds its head.
-    fn head(&self, (seed, block): (u64, u32), r: usize, is_sure: bool) -> HeadDraw {
+    fn head(&self, block: (u64, u32), r: usize, is_sure: bool) -> HeadDraw {
         let hands = self.scenario.worker.hands;
         let mean = HeadDraw::mean((hands != Hands::Both).then(|| hands.lead()));
-        if is_sure {
-            return mean;
-        }
-        mean.drawn(&mut stream(seed, Purpose::Posture, HEAD_BLOCK.wrapping_add(block), r as u32))
+        if is_sure { mean } else { mean.of_repetition(block, r) }
     }
 
     /// How many of some start postures get the hand to a TCP pose.

@@ -17,7 +17,7 @@
 
 use super::NeckRule;
 use crate::human::{Head, Side};
-use crate::math::stream::normals;
+use crate::math::stream::{Purpose, normals, stream};
 use crate::math::{Pose, Vec3};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
@@ -35,6 +35,9 @@ const SPREAD: [f64; 3] = [13.5 * DEG, 13.2 * DEG, 7.0 * DEG];
 const EYES: f64 = 20.0 * DEG;
 /// Range of the neck to which a head is held: flexion, extension, twist, bend.
 const RANGE: [f64; 4] = [50.0 * DEG, 60.0 * DEG, 80.0 * DEG, 45.0 * DEG];
+
+/// Offset of the block number for the heads, so that they draw from other streams than the postures.
+const HEAD_BLOCK: u32 = 1 << 18;
 
 /// How one repetition holds its head: departures from the mean in standard deviations, and the hand that
 /// works.
@@ -54,6 +57,13 @@ impl HeadDraw {
             None => 0.0,
         };
         Self { departures: [0.0; 3], side }
+    }
+
+    /// That of repetition `r` of a block: the same on every path.
+    #[must_use]
+    pub fn of_repetition(self, (seed, block): (u64, u32), r: usize) -> Self {
+        let block = HEAD_BLOCK.wrapping_add(block);
+        self.drawn(&mut stream(seed, Purpose::Posture, block, r as u32))
     }
 
     /// One of them.

@@ -13,7 +13,7 @@ use super::measurer::Features;
 use super::methods::{Law, learn_laws, singular};
 use super::rollout_check::{LearnedRepetitions, repetitions_of_part};
 use super::settings::TrainSettings;
-use super::strangers::{mean_energy_deg, strangers};
+use super::strangers::{Strangers, mean_energy_deg};
 use super::way::{learn_way, rounded};
 use crate::files::InputError;
 use crate::math::stats::mean;
@@ -265,7 +265,8 @@ fn left_out_energies(
                 run.iter().map(|f| measurer.measure(f.q.as_slice())).collect();
             let energy = |people: &Modelled| {
                 let how = (settings.seed, REPETITIONS);
-                mean_energy_deg(&strangers(people, (dataset, measurer), run, how).0, &seen)
+                let walks = Strangers::along(people, dataset, run, how).features(measurer);
+                mean_energy_deg(&walks, &seen)
             };
             let plain = energy(&one);
             let is_low = modes.at(low_place(run.iter().map(|f| &f.hand), stature_m)).is_some();

@@ -1,26 +1,36 @@
 //! Several recorded people: who they are, their movements in bodies of their size, and what of a posture is
 //! compared between a recording and a prediction.
 
+mod bands;
+mod centres;
 mod file;
 mod left_out;
+mod predictors;
+mod risk;
+mod seen;
+mod summary;
 
+pub use bands::{Bands, FeatureScore};
+pub use centres::CENTRES;
 pub use file::{PEOPLE_SCHEMA, PeopleFile, read_people_file};
 pub use left_out::{
-    Bands, FeatureScore, LeftOut, MovementScore, PersonScore, Predictor, PredictorScore, validate,
-    validate_model,
+    LeftOut, MovementScore, PersonScore, PredictorScore, REPETITIONS, validate, validate_model,
 };
+pub use predictors::Predictor;
+pub use risk::{Agreement, PartKnown, RiskScore, agreement};
+pub use seen::Seen;
+pub use summary::{Known, RiskAgreement, coverage};
 
 use super::dataset::{Dataset, Trial};
-use super::measurer::bend_deg;
 pub use super::measurer::{FEATURES, Features};
 use super::source::{Source, Whom, read_source, refuse_twice};
 pub use super::standing::StandingScore;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;
-use crate::math::Vec3;
 use crate::recording::{Recording, read_with};
 use rayon::prelude::*;
+use seen::{from_upright, recorded};
 
 /// Fewest and most stature (m) that a recorded arm may ask for; beyond, the nearest is taken.
 const STATURES_M: (f64, f64) = (1.3, 2.15);
@@ -48,7 +58,7 @@ pub struct Movement {
     /// Coordinates of the pelvis and joint angles in the person's body.
     pub trial: Trial,
     /// What was recorded at each of its rows.
-    pub seen: Vec<Features>,
+    pub seen: Vec<Seen>,
 }
 
 /// Reads and fits all recordings of all people.
@@ -82,7 +92,8 @@ fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
             Ok((Movement { trial, seen }, source))
         })
         .collect();
-    let (movements, sources) = read?.into_iter().unzip();
+    let (mut movements, sources): (Vec<Movement>, Vec<Source>) = read?.into_iter().unzip();
+    from_upright(&mut movements.iter_mut().map(|m| m.seen.as_mut_slice()).collect::<Vec<_>>());
     Ok(Person { name: entry.name.clone(), body, side: entry.side, movements, sources })
 }
 
@@ -132,50 +143,6 @@ pub(super) fn sized(name: &str, side: Side, recordings: &[Recording]) -> Result<
     let stature_m = (1e3 * stature.clamp(STATURES_M.0, STATURES_M.1)).round() / 1e3;
     let mass_kg = (10.0 * BODY_MASS_INDEX * stature_m * stature_m).round() / 10.0;
     Body::of_size(name, BodySize { stature_m, mass_kg, sex: model.size.sex })
-}
-
-/// What a recording shows at each frame.
-fn recorded(recording: &Recording, side: Side) -> Result<Vec<Features>, InputError> {
-    let track = |name: &str| {
-        recording.segment(name).ok_or_else(|| {
-            InputError::new(&recording.source, format!("has no segment `{name}`"))
-                .remedy("people are compared as a whole: trunk, the leading arm and both legs")
-        })
-    };
-    let of = |part: &str| track(&format!("{}{part}", side.prefix()));
-    let thorax = track("T8")?;
-    let arm = [of("UpperArm")?, of("ForeArm")?, of("Hand")?];
-    let leg = |side: Side| -> Result<_, InputError> {
-        let of = |part: &str| track(&format!("{}{part}", side.prefix()));
-        Ok([of("UpperLeg")?, of("LowerLeg")?, of("Foot")?])
-    };
-    let legs = [leg(Side::Right)?, leg(Side::Left)?];
-    let count = recording.frames();
-    let floors: Vec<f64> = (0..count)
-        .map(|i| legs.iter().map(|l| l[2].position[i].z).fold(f64::INFINITY, f64::min))
-        .collect();
-    let floor = crate::math::stats::quantile(&floors, 0.05);
-    let points = |leg: &[&crate::recording::SegmentTrack; 3], i: usize| leg.map(|t| t.position[i]);
-    let length = |i: usize| {
-        let [h, k, a] = points(&legs[0], i);
-        (k - h).norm() + (a - k).norm()
-    };
-    let leg_m = crate::math::stats::quantile(&(0..count).map(length).collect::<Vec<_>>(), 0.5);
-    Ok((0..count)
-        .map(|i| {
-            let knees = legs.each_ref().map(|leg| bend_deg(points(leg, i)));
-            let hips = 0.5 * (legs[0][0].position[i].z + legs[1][0].position[i].z);
-            let up = thorax.rotation[i] * Vec3::y();
-            let [shoulder, elbow, hand] = points(&arm, i);
-            [
-                (hips - floor) / leg_m,
-                up.angle(&Vec3::z()).to_degrees(),
-                (elbow - shoulder).angle(&-up).to_degrees(),
-                bend_deg([shoulder, elbow, hand]),
-                0.5 * (knees[0] + knees[1]),
-            ]
-        })
-        .collect())
 }
 
 fn side_name(side: Side) -> &'static str {

@@ -50,6 +50,28 @@ fn recorded_people_teach_a_whole_person_and_are_predicted() {
     }
     let [pooled, worst] = ["pooled", "worst"].map(|k| found["coverage90"][k].as_f64().unwrap());
     assert!((0.5..1.0).contains(&pooled) && worst < pooled, "{pooled} {worst}");
+    // Scores of the real movement against those from the path of the hand alone.
+    for method in ["rula", "reba"] {
+        let own = &found[method];
+        for key in ["mae", "rank_correlation", "inside90", "inside50", "bias"] {
+            assert!(own[key].as_f64().is_some_and(f64::is_finite), "{method} {key}: {own}");
+        }
+        assert_eq!(own["movements"], 9);
+        for baseline in found["baselines"].as_array().unwrap() {
+            assert!(baseline[method]["mae"].as_f64().unwrap() > 0.0, "{baseline}");
+        }
+        let risk = &found["persons"][0]["movements"][0]["risk"][method];
+        let [low, high] = [0, 1].map(|i| risk["band_90"][i].as_f64().unwrap());
+        let predicted = risk["predicted"].as_f64().unwrap();
+        assert!(low < predicted && predicted < high, "{risk}");
+        assert!((1.0..=15.0).contains(&risk["recorded"].as_f64().unwrap()), "{risk}");
+    }
+    let rula = |of: &Value| of["rula"]["mae"].as_f64().unwrap();
+    let all = found["baselines"].as_array().unwrap();
+    let still = all.iter().find(|b| b["name"] == "mean-posture").unwrap();
+    assert!(rula(&found) < rula(still), "{} {}", rula(&found), rula(still));
+    assert!(found["centres_cm"]["shoulder"].as_f64().unwrap() < 20.0);
+    assert!(found["crps"]["trunk"].as_f64().unwrap() > 0.0);
     // The fitted body is near what was recorded, whatever is predicted of it.
     for movement in found["persons"][0]["movements"].as_array().unwrap() {
         let fit: Vec<f64> =
@@ -92,6 +114,8 @@ fn a_model_that_is_there_is_judged_on_one_person() {
         assert!(baselines.iter().all(|b| b["name"] != "nearest-neighbour"), "{baselines:?}");
         assert!(baselines.iter().any(|b| b["name"] == "plain-ik"));
         let energy_deg = found["energy_score_deg"].as_f64().unwrap();
+        assert_eq!(found["recordings"], 3);
+        assert_eq!(found["learned_recordings"], if model == "people" { 3 } else { 0 });
         (energy_deg, String::from_utf8_lossy(&output.stderr).into_owned())
     };
     let (own, warned) = judged("people");

@@ -1,8 +1,9 @@
 //! How well people are predicted whom no law has seen: one person is left out, the others teach.
 //!
 //! ```text
-//! from the recorded first posture    rms over time of mean prediction less record, for each predictor
-//! from starts that the law draws     bands of repetitions: share of the record inside, width, energy score
+//! from the recorded first posture    rms over time of prediction less record, for each predictor
+//! from starts that the law draws     bands of repetitions: share of the record inside, width, proper scores;
+//!                                    RULA and REBA, beside those of each predictor from the usual start
 //! ```
 //! Bands are those of a stranger at work: neither the first posture nor anything else of the person is
 //! known but the path of the hand from the feet and the size of the body. A saved model is judged in the same
@@ -10,98 +11,39 @@
 
 use super::super::dataset::{Dataset, Frame, runs};
 use super::super::measurer::Measurer;
-use super::super::methods::{Law, learn_laws};
-use super::super::modes::learn_modes;
-use super::super::rollout_check::{band_end, sampled_law, walk_path};
 use super::super::settings::TrainSettings;
-use super::super::spread::{learn_about_usual, learn_attraction, learn_postures};
-use super::super::standing::{StandingScore, judge_standing, learn_standing};
-use super::super::strangers::{mean_energy_deg, strangers};
+use super::super::standing::{StandingScore, judge_standing};
+use super::super::strangers::Strangers;
+use super::bands::{Bands, in_units};
+use super::centres::{CENTRES, Centres};
+use super::predictors::{Predictor, Taught};
+use super::risk::{Assessor, RiskScore};
+use super::seen::Seen;
 use super::{FEATURES, Features, Movement, Person, refuse_unlike};
+use crate::ergonomics::{PerMethod, Worksheet};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis};
-use crate::posture::{
-    Attraction, HandFeatures, Method, Modelled, Modes, PostureDistribution, PostureLaw,
-    PostureModel, StandingPlace, low_place, roll_out,
-};
-use nalgebra::{DMatrix, DVector};
+use crate::posture::{Modelled, Modes, PostureModel, low_place};
+use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// Repetitions behind a band.
-const REPETITIONS: usize = 100;
+pub const REPETITIONS: usize = 100;
 
-/// What predicts a posture from the path of the hand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Predictor {
-    /// The law with a full weight matrix and the pull towards usual postures.
-    FullW,
-    /// The same with a diagonal weight matrix.
-    DiagonalW,
-    /// The plain pseudo-inverse, without a pull.
-    PlainIk,
-    /// The usual posture at the hand's place, which need not reach the hand.
-    Regression,
-    /// The posture of the training frame with the nearest hand.
-    NearestNeighbour,
-    /// The mean posture of the training people.
-    MeanPosture,
-}
-
-impl Predictor {
-    /// All, the law first.
-    pub const ALL: [Self; 6] = [
-        Self::FullW,
-        Self::DiagonalW,
-        Self::PlainIk,
-        Self::Regression,
-        Self::NearestNeighbour,
-        Self::MeanPosture,
-    ];
-
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FullW => "full-w",
-            Self::DiagonalW => "diagonal-w",
-            Self::PlainIk => "plain-ik",
-            Self::Regression => "regression",
-            Self::NearestNeighbour => "nearest-neighbour",
-            Self::MeanPosture => "mean-posture",
-        }
-    }
-}
-
-/// Errors of one predictor.
+/// Errors of one predictor, without chance in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictorScore {
     /// Which.
     pub predictor: Predictor,
-    /// Rms over time, in the order of [`FEATURES`]: cm, then deg.
+    /// Rms over time from the recorded first posture, in the order of [`FEATURES`]: cm, then deg.
     pub rms: Features,
-}
-
-/// What bands of one feature held.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FeatureScore {
-    /// Name.
-    pub feature: &'static str,
-    /// Share of the frames inside the central 50 and 90 %.
-    pub coverage: [f64; 2],
-    /// Mean width of the 90 % band, cm or deg.
-    pub width_90: f64,
-}
-
-/// What repetitions of strangers say of a movement.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Bands {
-    /// Bands.
-    pub features: Vec<FeatureScore>,
-    /// Mean energy score of the four angles, deg.
-    pub energy_deg: f64,
-    /// Share of the repetitions that could not follow the hand to its end.
-    pub ended_share: f64,
+    /// The same of the joint centres [`CENTRES`], against those of the fitted body, cm.
+    pub centres_cm: [f64; CENTRES.len()],
+    /// RULA and REBA, mean over time, from the recorded first posture.
+    pub risk_known_start: PerMethod<f64>,
+    /// The same from the path of the hand alone; none where the usual start is out of reach.
+    pub risk: Option<PerMethod<f64>>,
 }
 
 /// One movement of somebody who was left out.
@@ -111,8 +53,10 @@ pub struct MovementScore {
     pub movement: String,
     /// Frames that were compared.
     pub frames: usize,
-    /// Errors from the recorded first posture.
+    /// What each predictor says without chance.
     pub predictors: Vec<PredictorScore>,
+    /// RULA and REBA of the record and of repetitions; none where fewer than two begin.
+    pub risk: Option<PerMethod<RiskScore>>,
     /// Bands of repetitions.
     #[serde(flatten)]
     pub bands: Bands,
@@ -206,80 +150,6 @@ pub fn validate_model(
     one_by_one(people, told, |_, person| judged(person, &taught, settings))
 }
 
-/// What the others teach.
-struct Taught<'a> {
-    full: PostureLaw,
-    diagonal: Option<PostureLaw>,
-    plain: PostureLaw,
-    usual: Option<Attraction>,
-    postures: PostureDistribution,
-    modes: Option<Modes>,
-    standing: Option<StandingPlace>,
-    /// Whom it was learned from, and how their hands compare; not known of a saved model.
-    teachers: Option<(&'a Dataset, HandFeatures)>,
-}
-
-impl<'a> Taught<'a> {
-    fn by(dataset: &'a Dataset, settings: &TrainSettings) -> Result<Self, InputError> {
-        let every: Vec<usize> = (0..dataset.frames.len()).collect();
-        let all: Vec<&Frame> = dataset.frames.iter().collect();
-        let stature_m = dataset.coupling.stature_m();
-        let methods = [Method::FullW, Method::WIk, Method::PlainIk];
-        let laws = learn_laws(&methods, &all, stature_m, settings, None)?;
-        let usual = learn_attraction(dataset, &all, settings);
-        let of = |law: &Law, is_pulled: bool| PostureLaw {
-            attraction: usual.clone().filter(|_| is_pulled),
-            ..law.law.clone()
-        };
-        let (full, repetitions) = sampled_law(dataset, &every, &laws[0], settings)?;
-        let modes = learn_modes(dataset, &laws[0], &repetitions, settings)?;
-        let clock = full.noise.clock;
-        let clocked = |mut law: PostureLaw| {
-            law.noise.clock = clock;
-            law
-        };
-        let [diagonal, plain] = [of(&laws[1], true), of(&laws[2], false)].map(clocked);
-        let diagonal = Some(diagonal);
-        let hands = HandFeatures::fit(&all.iter().map(|f| f.hand).collect::<Vec<_>>(), stature_m);
-        let (about_usual, low) = learn_about_usual(dataset, settings).unzip();
-        let postures =
-            PostureDistribution { about_usual, low: low.flatten(), ..learn_postures(&all) };
-        let teachers = Some((dataset, hands));
-        let standing = learn_standing(dataset);
-        Ok(Self { full, diagonal, plain, usual, postures, modes, standing, teachers })
-    }
-
-    /// What a saved model teaches.
-    fn saved(model: &PostureModel) -> Self {
-        let full = model.law.clone();
-        let n = full.dof();
-        let weight = DMatrix::identity(n, n);
-        let plain = PostureLaw { weight, attraction: None, offset: None, ..full.clone() };
-        Self {
-            usual: full.attraction.clone(),
-            full,
-            diagonal: None,
-            plain,
-            postures: model.postures.clone(),
-            modes: model.modes.clone(),
-            standing: model.standing.clone(),
-            teachers: None,
-        }
-    }
-
-    /// The posture of the frame whose hand is nearest.
-    fn nearest(&self, hand: &crate::math::Pose, stature_m: f64) -> Option<&DVector<f64>> {
-        let (dataset, hands) = self.teachers.as_ref()?;
-        let own_m = dataset.coupling.stature_m();
-        let x = hands.of(hand, stature_m);
-        let away = |f: &Frame| -> f64 {
-            hands.of(&f.hand, own_m).iter().zip(&x).map(|(a, b)| (a - b).powi(2)).sum()
-        };
-        let near = dataset.frames.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-        near.map(|f| &f.q)
-    }
-}
-
 fn left_out(
     person: &Person,
     others: &[&Person],
@@ -292,6 +162,16 @@ fn left_out(
     judged(person, &Taught::by(&dataset, settings)?, settings)
 }
 
+/// What tells of a person's postures.
+struct Judge<'a> {
+    taught: &'a Taught<'a>,
+    own: Dataset,
+    measurer: Measurer,
+    centres: Centres,
+    assessor: Assessor,
+    seed: u64,
+}
+
 /// How well a person's movements are predicted.
 fn judged(
     person: &Person,
@@ -299,129 +179,132 @@ fn judged(
     settings: &TrainSettings,
 ) -> Result<PersonScore, InputError> {
     let trials: Vec<_> = person.movements.iter().map(|m| m.trial.clone()).collect();
-    let own = Dataset::new(&trials, &person.body, person.side)?;
-    let measurer = Measurer::new(&person.body, person.side)?;
-    let all: Vec<&Frame> = own.frames.iter().collect();
+    let knows_head = person.movements.iter().flat_map(|m| &m.seen).all(|s| s.head.is_some());
+    let judge = Judge {
+        taught,
+        own: Dataset::new(&trials, &person.body, person.side)?,
+        measurer: Measurer::new(&person.body, person.side)?,
+        centres: Centres::new(&person.body, person.side)?,
+        assessor: Assessor::new(&person.body, person.side, knows_head)?,
+        seed: settings.seed,
+    };
+    let all: Vec<&Frame> = judge.own.frames.iter().collect();
     let movements: Vec<MovementScore> = runs(&all)
         .par_iter()
         .filter(|run| run.len() > 2)
-        .map(|run| {
-            let movement = &person.movements[run[0].trial];
-            score((taught, &own), &measurer, (movement, run), settings)
-        })
+        .map(|run| judge.movement(&person.movements[run[0].trial], run))
         .collect::<Option<Vec<_>>>()
         .ok_or_else(super::super::methods::singular)?;
     Ok(PersonScore {
         person: person.name.clone(),
         stature_m: person.body.size.stature_m,
         movements,
-        standing: taught.standing.as_ref().map(|place| judge_standing(place, &own)),
+        standing: taught.standing.as_ref().map(|place| judge_standing(place, &judge.own)),
     })
 }
 
-/// A difference in the unit of the scores: of hips, leg lengths become cm of a leg of `leg_m`.
-fn in_units(difference: f64, feature: usize, leg_m: f64) -> f64 {
-    if feature == 0 { 100.0 * leg_m * difference } else { difference }
+/// A recorded movement at the frames that are compared.
+struct Record<'a> {
+    run: &'a [&'a Frame],
+    features: Vec<Features>,
+    sheets: Vec<Worksheet>,
 }
 
-fn score(
-    (taught, own): (&Taught, &Dataset),
-    measurer: &Measurer,
-    (movement, run): (&Movement, &[&Frame]),
-    settings: &TrainSettings,
-) -> Option<MovementScore> {
-    let row = |f: &Frame| (f.time_s * movement.trial.rate_hz).round() as usize;
-    let seen: Vec<Features> = run.iter().map(|f| movement.seen[row(f)]).collect();
-    let leg_m = measurer.legs.length_m();
-    let rms = |postures: &mut dyn Iterator<Item = Features>| -> Features {
+impl Judge<'_> {
+    fn movement(&self, movement: &Movement, run: &[&Frame]) -> Option<MovementScore> {
+        let row = |f: &Frame| (f.time_s * movement.trial.rate_hz).round() as usize;
+        let seen: Vec<&Seen> = run.iter().map(|f| &movement.seen[row(f)]).collect();
+        let record = Record {
+            run,
+            features: seen.iter().map(|s| s.features).collect(),
+            sheets: run.iter().zip(&seen).map(|(f, s)| self.assessor.recorded(&f.q, s)).collect(),
+        };
+        let usual = self.taught.usual_start(&self.own, run);
+        let predictors = Predictor::ALL
+            .into_iter()
+            .filter_map(|predictor| self.predictor(predictor, &record, usual.as_ref()))
+            .collect();
+        let place = low_place(run.iter().map(|f| &f.hand), self.own.coupling.stature_m());
+        let told = self.taught.modes.as_ref().and_then(|modes| modes.at(place));
+        let alone = self.strangers(None, run)?;
+        let one_law = self.bands(&alone, &record);
+        let strangers = match told {
+            Some(_) => self.strangers(self.taught.modes.as_ref(), run)?,
+            None => alone,
+        };
+        let bands = self.bands(&strangers, &record);
+        let repeated = self.assessor.repeated(&strangers.walks, (self.seed, run[0].trial as u32));
+        let fitted: Vec<Features> =
+            run.iter().map(|f| self.measurer.measure(f.q.as_slice())).collect();
+        Some(MovementScore {
+            movement: movement.trial.source.clone(),
+            frames: run.len(),
+            predictors,
+            risk: self.assessor.compared(&repeated, &record.sheets),
+            bands,
+            one_law,
+            modes: told.map_or_else(Vec::new, |t| t.shares),
+            fit_rms: self.rms(&fitted, &record.features),
+        })
+    }
+
+    /// What a predictor says without chance; none where it was not taught.
+    fn predictor(
+        &self,
+        predictor: Predictor,
+        record: &Record,
+        usual: Option<&DVector<f64>>,
+    ) -> Option<PredictorScore> {
+        let along = (&self.own, record.run);
+        let known = self.taught.postures(predictor, along, &record.run[0].q)?;
+        let found: Vec<Features> =
+            known.iter().map(|q| self.measurer.measure(q.as_slice())).collect();
+        let risk_known_start = self.assessor.of_postures(&known);
+        let risk = if predictor.needs_start() {
+            usual.and_then(|start| self.taught.postures(predictor, along, start))
+        } else {
+            Some(known.clone())
+        };
+        let fitted = record.run.iter().map(|f| &f.q);
+        Some(PredictorScore {
+            predictor,
+            rms: self.rms(&found, &record.features),
+            centres_cm: self.centres.rms_cm(known.iter().zip(fitted)),
+            risk_known_start,
+            risk: risk.map(|postures| self.assessor.of_postures(&postures)),
+        })
+    }
+
+    fn strangers(&self, modes: Option<&Modes>, run: &[&Frame]) -> Option<Strangers> {
+        let people = Modelled::of((&self.taught.full, &self.taught.postures), modes)?;
+        Some(Strangers::along(&people, &self.own, run, (self.seed, REPETITIONS)))
+    }
+
+    /// What the bands of the repetitions that begin hold.
+    fn bands(&self, strangers: &Strangers, record: &Record) -> Bands {
+        let walks = strangers.features(&self.measurer);
+        let leg_m = self.measurer.legs.length_m();
+        Bands::of(&walks, &record.features, leg_m, strangers.ended_share())
+    }
+
+    /// Rms over time, in the units of the scores.
+    fn rms(&self, found: &[Features], seen: &[Features]) -> Features {
+        let leg_m = self.measurer.legs.length_m();
         let mut sum = [0.0; FEATURES.len()];
-        for (found, seen) in postures.zip(&seen) {
+        for (found, seen) in found.iter().zip(seen) {
             for (c, s) in sum.iter_mut().enumerate() {
                 *s += in_units(found[c] - seen[c], c, leg_m).powi(2);
             }
         }
-        sum.map(|s| (s / run.len() as f64).sqrt())
-    };
-    let stature_m = own.coupling.stature_m();
-    let predicted = |predictor: Predictor| -> Option<Features> {
-        let walked = |law: &PostureLaw| {
-            let (path, start) = walk_path(own, law, run);
-            let rollout = roll_out(&own.coupling, law, &path, &start, None);
-            rms(&mut rollout.q.iter().map(|q| measurer.measure(q.as_slice())))
-        };
-        let of = |q: &DVector<f64>| measurer.measure(q.as_slice());
-        match predictor {
-            Predictor::FullW => Some(walked(&taught.full)),
-            Predictor::DiagonalW => taught.diagonal.as_ref().map(walked),
-            Predictor::PlainIk => Some(walked(&taught.plain)),
-            Predictor::Regression => {
-                let usual = taught.usual.as_ref()?;
-                let at = |f: &&Frame| of(&usual.usual_posture(&f.hand, stature_m).posture);
-                Some(rms(&mut run.iter().map(at)))
-            }
-            Predictor::NearestNeighbour => {
-                let at = |f: &&Frame| taught.nearest(&f.hand, stature_m).map(of);
-                let all: Option<Vec<Features>> = run.iter().map(at).collect();
-                Some(rms(&mut all?.into_iter()))
-            }
-            Predictor::MeanPosture => Some(rms(&mut run.iter().map(|_| of(&taught.postures.mean)))),
-        }
-    };
-    let predictors = Predictor::ALL
-        .iter()
-        .filter_map(|&predictor| Some(PredictorScore { predictor, rms: predicted(predictor)? }))
-        .collect();
-    let stranger = |modes: Option<&Modes>| {
-        let people = Modelled::of((&taught.full, &taught.postures), modes)?;
-        let how = (settings.seed, REPETITIONS);
-        let (walks, ended_share) = strangers(&people, (own, measurer), run, how);
-        let (features, energy_deg) = bands(&walks, &seen, leg_m);
-        Some(Bands { features, energy_deg, ended_share })
-    };
-    let place = low_place(run.iter().map(|f| &f.hand), stature_m);
-    let told = taught.modes.as_ref().and_then(|modes| modes.at(place));
-    let one_law = stranger(None)?;
-    let bands = match told {
-        Some(_) => stranger(taught.modes.as_ref())?,
-        None => one_law.clone(),
-    };
-    Some(MovementScore {
-        movement: movement.trial.source.clone(),
-        frames: run.len(),
-        predictors,
-        bands,
-        one_law,
-        modes: told.map_or_else(Vec::new, |t| t.shares),
-        fit_rms: rms(&mut run.iter().map(|f| measurer.measure(f.q.as_slice()))),
-    })
-}
-
-/// What the bands of repetitions (R x T) hold of the record, and the energy score of the angles.
-fn bands(walks: &[Vec<Features>], seen: &[Features], leg_m: f64) -> (Vec<FeatureScore>, f64) {
-    if walks.len() < 2 {
-        let none = |feature| FeatureScore { feature, coverage: [0.0; 2], width_90: 0.0 };
-        return (FEATURES.into_iter().map(none).collect(), f64::NAN);
+        sum.map(|s| (s / seen.len() as f64).sqrt())
     }
-    let features = FEATURES.iter().enumerate().map(|(c, &feature)| {
-        let (mut inside, mut width) = ([0.0; 2], 0.0);
-        for (t, seen) in seen.iter().enumerate() {
-            let mut values: Vec<f64> = walks.iter().map(|w| w[t][c]).collect();
-            values.sort_by(f64::total_cmp);
-            let at = |p: f64| band_end(&values, p);
-            let within = |low: f64, high: f64| f64::from(u8::from((low..=high).contains(&seen[c])));
-            inside[0] += within(at(0.25), at(0.75));
-            inside[1] += within(at(0.05), at(0.95));
-            width += in_units(at(0.95) - at(0.05), c, leg_m);
-        }
-        let count = seen.len() as f64;
-        FeatureScore { feature, coverage: inside.map(|i| i / count), width_90: width / count }
-    });
-    (features.collect(), mean_energy_deg(walks, seen))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::summary::Known;
     use super::*;
+    use crate::ergonomics::ScoringMethod;
     use crate::human::Side;
     use crate::math::stats::mean;
     use crate::training::SimulatedMovements;
@@ -429,12 +312,17 @@ mod tests {
     use crate::training::motion_file::trial_of;
     use std::path::Path;
 
+    /// Nobody looked at the heads, and the feet stood.
+    fn seen(features: Features) -> Seen {
+        Seen { features, head: None, knees_deg: [features[4]; 2], heels_deg: None }
+    }
+
     /// Made-up people who differ by chance only.
     fn people(count: u64) -> Vec<Person> {
         let body = Body::load("female_p50", Path::new(".")).unwrap();
         let measurer = Measurer::new(&body, Side::Right).unwrap();
         let movement = |trial: Trial| Movement {
-            seen: trial.q.iter().map(|q| measurer.measure(q)).collect(),
+            seen: trial.q.iter().map(|q| seen(measurer.measure(q))).collect(),
             trial,
         };
         let one = |number: u64| {
@@ -490,6 +378,12 @@ mod tests {
             );
             assert!((0.75..=1.0).contains(&held), "{name}: bands hold {held}");
         }
+        let rula = found.risk(ScoringMethod::Rula);
+        let of = |p: Predictor| found.risk_of(ScoringMethod::Rula, p, Known::HandPath).unwrap();
+        let [mae, still] = [rula.agreement.mae, of(Predictor::MeanPosture).mae];
+        assert_eq!(rula.movements, 16);
+        assert!(mae < 0.7 * still, "RULA: {mae} against {still}");
+        assert!(rula.inside90 > 0.6, "{rula:?}");
         // What was measured was the body itself, but for the filter's hair at the ends.
         assert!(movements.iter().flat_map(|m| m.fit_rms).all(|f| f < 1e-9));
         let mut stop = |_: usize, _: usize| false;
@@ -499,25 +393,5 @@ mod tests {
         unlike[2].side = Side::Left;
         let error = validate(&unlike, &body, &settings, &mut stop).unwrap_err();
         assert!(error.message().contains("left hand"), "{error}");
-    }
-
-    #[test]
-    fn the_energy_score_is_that_of_a_naive_loop() {
-        let seen = vec![[0.0, 1.0, 2.0, 3.0, 4.0]; 2];
-        let walks: Vec<Vec<Features>> =
-            (0..5).map(|i| vec![[0.0, f64::from(i), 2.0, 3.0 - f64::from(i), 4.0]; 2]).collect();
-        let (features, energy) = bands(&walks, &seen, 0.9);
-        // |x - y| is hypot(i - 1, i); |x - x'| is root two times |i - j|.
-        let to: f64 =
-            (0..5).map(|i| f64::hypot(f64::from(i) - 1.0, f64::from(i))).sum::<f64>() / 5.0;
-        let mut between = 0.0;
-        for i in 0..5 {
-            for j in 0..5 {
-                between += f64::from(i - j).abs() * 2f64.sqrt() / 20.0;
-            }
-        }
-        assert!((energy - (to - 0.5 * between)).abs() < 1e-12, "{energy}");
-        assert_eq!(features[3].coverage[1], 1.0);
-        assert_eq!(features[2].width_90, 0.0);
     }
 }
