@@ -97,7 +97,8 @@ fn names(done: &Import) -> Vec<String> {
             let name = if *n == 1 { format!("{stem}.csv") } else { format!("{stem}_{n}.csv") };
             name != "quality.csv" && !names.contains(&name)
         };
-        let n = (1..).find(free).unwrap_or(1);
+        // Of as many and two more names one is free.
+        let n = (1..=names.len() + 2).find(free).unwrap_or(1);
         names.push(if n == 1 { format!("{stem}.csv") } else { format!("{stem}_{n}.csv") });
     }
     names

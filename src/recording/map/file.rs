@@ -225,11 +225,10 @@ fn table(file: &Text, general: &General) -> Result<TableMap, InputError> {
             file.fault(message, unit.span(), KNOWN_UNITS)
         })?),
     };
-    if let Some(rate) = &general.rate_hz {
-        if !(rate.as_ref() > &0.0 && *rate.as_ref() <= crate::recording::markers::HIGHEST_RATE_HZ) {
-            let message = format!("{} is no rate in Hz", rate.as_ref());
-            return Err(file.fault(message, rate.span(), "rates lie between 0 and 10000 Hz"));
-        }
+    let is_rate = |hz: f64| hz > 0.0 && hz <= crate::recording::markers::HIGHEST_RATE_HZ;
+    if let Some(rate) = general.rate_hz.as_ref().filter(|r| !is_rate(*r.as_ref())) {
+        let message = format!("{} is no rate in Hz", rate.as_ref());
+        return Err(file.fault(message, rate.span(), "rates lie between 0 and 10000 Hz"));
     }
     Ok(TableMap { points, unit_m, rate_hz: general.rate_hz.as_ref().map(|r| *r.as_ref()) })
 }

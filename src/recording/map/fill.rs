@@ -60,7 +60,7 @@ pub(super) fn fill(track: &mut [Option<Vec3>], longest: usize) -> Filled {
 /// Speed (m per frame) at the edge of a gap, from the known frames on the far side of it.
 fn speed(known: &[Option<Vec3>], edge: usize, step: isize) -> Option<Vec3> {
     let at = |k: usize| {
-        let i = edge.checked_add_signed(step * k as isize)?;
+        let i = edge.checked_add_signed(step * k.cast_signed())?;
         known.get(i).copied().flatten()
     };
     let here = known[edge]?;

@@ -131,9 +131,9 @@ fn steady(bends: &[Vec3]) -> Option<(Vec<Vec3>, usize)> {
     axes[last..].fill(unit(last));
     for pair in known.windows(2) {
         let (from, to) = (unit(pair[0]), unit(pair[1]));
-        for i in pair[0]..=pair[1] {
-            let s = (i - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
-            axes[i] = from.lerp(&to, s);
+        let apart = pair[1] - pair[0];
+        for (k, axis) in axes[pair[0]..=pair[1]].iter_mut().enumerate() {
+            *axis = from.lerp(&to, k as f64 / apart as f64);
         }
     }
     Some((axes, bends.len() - known.len()))

@@ -51,7 +51,7 @@ pub(in crate::recording) fn runs(
     map: &Map,
 ) -> Result<Vec<Run>, InputError> {
     let (parts, lost) = present(origin.path, markers, map)?;
-    let mut tracks: BTreeMap<&str, Vec<Option<Vec3>>> = BTreeMap::new();
+    let mut tracks: Tracks = BTreeMap::new();
     for name in parts.iter().flat_map(|p| p.markers()) {
         if let Some(track) = markers.track(name) {
             tracks.insert(name, track.collect());
@@ -129,11 +129,7 @@ fn present<'a>(
 }
 
 /// From and to (exclusive) of the runs in which every track is known.
-fn spans(
-    tracks: &BTreeMap<&str, Vec<Option<Vec3>>>,
-    frames: usize,
-    rate_hz: f64,
-) -> Vec<(usize, usize)> {
+fn spans(tracks: &Tracks, frames: usize, rate_hz: f64) -> Vec<(usize, usize)> {
     let fewest = FEWEST_FRAMES.max((SHORTEST_S * rate_hz).ceil() as usize);
     let is_whole = |i: usize| tracks.values().all(|track| track[i].is_some());
     let mut spans = Vec::new();
@@ -154,17 +150,12 @@ fn spans(
 }
 
 /// The marker that is missing longest, and in how many frames.
-fn worst<'a>(tracks: &BTreeMap<&'a str, Vec<Option<Vec3>>>) -> Option<(&'a str, usize)> {
+fn worst<'a>(tracks: &Tracks<'a>) -> Option<(&'a str, usize)> {
     let missing = tracks.iter().map(|(n, t)| (*n, t.iter().filter(|p| p.is_none()).count()));
     missing.filter(|(_, count)| *count > 0).max_by_key(|(_, count)| *count)
 }
 
-fn never_whole(
-    path: &Path,
-    tracks: &BTreeMap<&str, Vec<Option<Vec3>>>,
-    frames: usize,
-    rate_hz: f64,
-) -> InputError {
+fn never_whole(path: &Path, tracks: &Tracks, frames: usize, rate_hz: f64) -> InputError {
     let (name, count) = worst(tracks).unwrap_or_default();
     let message = if count == 0 {
         format!("holds {frames} frames at {rate_hz} Hz, too few for a movement")
@@ -189,7 +180,7 @@ fn up(
     origin: &Origin,
     map: &Map,
     parts: &[&Part],
-    tracks: &BTreeMap<&str, Vec<Option<Vec3>>>,
+    tracks: &Tracks,
     spans: &[(usize, usize)],
 ) -> Result<Up, InputError> {
     if let Some((axis, backwards)) = map.up {
@@ -243,9 +234,12 @@ fn named(axis: usize, backwards: bool) -> String {
     format!("{}{}", if backwards { "-" } else { "" }, ["x", "y", "z"][axis])
 }
 
+/// Places of markers over time by their names, none where they were not seen.
+type Tracks<'a> = BTreeMap<&'a str, Vec<Option<Vec3>>>;
+
 /// The places of all markers in a run, turned.
 fn slice<'a>(
-    tracks: &BTreeMap<&'a str, Vec<Option<Vec3>>>,
+    tracks: &Tracks<'a>,
     (from, to): (usize, usize),
     turn: &UnitQuaternion<f64>,
 ) -> Places<'a> {
@@ -258,7 +252,7 @@ fn slice<'a>(
 fn record(
     origin: &Origin,
     parts: &[&Part],
-    (tracks, span): (&BTreeMap<&str, Vec<Option<Vec3>>>, (usize, usize)),
+    (tracks, span): (&Tracks, (usize, usize)),
     up: &Up,
     taken: &Taken,
 ) -> Result<Recording, InputError> {

@@ -145,11 +145,8 @@ fn qualisys(text: &str, map: &TableMap) -> Result<Markers, Fault> {
     let first = first.ok_or_else(|| Fault::whole("has no row of places", AGAIN))?;
     // Before the places there may be frame and time, and behind them an empty cell.
     let width = lines[first].iter().rposition(|c| !c.is_empty()).map_or(0, |last| last + 1);
-    let before = match width.max(columns) - columns {
-        extra @ 0..=2 => extra,
-        _ => {
-            return Err(Fault::at(first + 1, "has more columns than three for each marker", AGAIN));
-        }
+    let before @ 0..=2 = width.max(columns) - columns else {
+        return Err(Fault::at(first + 1, "has more columns than three for each marker", AGAIN));
     };
     let points: Vec<(usize, String)> =
         labels.iter().enumerate().map(|(i, n)| (before + 3 * i, n.clone())).collect();
