@@ -170,7 +170,7 @@ pub fn main() -> ExitCode {
         Command::Import(args) => import::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),
         Command::Evaluate(args) => evaluate::run(&args),
-        Command::Validate(args) => validate::run(&args),
+        Command::Validate(args) => validate::run(&args, outputs),
         Command::Bench(args) => bench::bench(&args, outputs),
         Command::Experiment(args) => experiment::run(&args, outputs),
         Command::Schema(args) => schema::run(&args, outputs),

@@ -11,6 +11,7 @@
 //! gains with their intervals     ─► figure_forest                             PNG
 //! WeightSpread, HeldOutCurves ─► figure_weights, figure_held_out             PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
+//! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
 //! ```
 //!
@@ -24,12 +25,15 @@ mod comparison_table;
 mod drawn;
 #[cfg(test)]
 mod drawn_tests;
+mod figure_agreement;
 mod figure_box;
 mod figure_cell;
+mod figure_coverage;
 mod figure_forest;
 mod figure_growth;
 mod figure_heat;
 mod figure_held_out;
+mod figure_movement;
 mod figure_paths;
 mod figure_population;
 mod figure_postures;
@@ -50,6 +54,8 @@ mod style;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod validation;
+mod validation_page;
 mod value_axis;
 mod view;
 
@@ -65,6 +71,7 @@ pub use figure_held_out::held_out_figure;
 pub use figure_weights::{Learned, weights_figure};
 pub use filled_page::{Picked, sheet_files};
 pub use size::size_files;
+pub use validation::validation_files;
 
 use crate::planner::RunResult;
 use thiserror::Error;

@@ -3,9 +3,10 @@
 use super::progress::Progress;
 use super::validate_print::{as_json, print_text};
 use super::{Failure, Outcome};
-use crate::files::InputError;
+use crate::files::{InputError, Outputs};
 use crate::human::Body;
 use crate::posture::{PostureModel, load_model};
+use crate::report::{ReportError, validation_files};
 use crate::training::people::{Person, read_people, read_people_file, validate, validate_model};
 use crate::training::{TrainSettings, remarks_of};
 use std::collections::BTreeSet;
@@ -26,6 +27,9 @@ pub(super) struct Args {
     /// Print JSON at full precision.
     #[arg(long)]
     json: bool,
+    /// Folder for a page, validation.html, with its pictures and validation.json.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
 }
 
 /// A saved model that was judged.
@@ -46,10 +50,21 @@ impl Judged {
         let learned = all().filter(|s| known.contains(&s.sha256)).count();
         Self { name: model.name.clone(), recordings: all().count(), learned }
     }
+
+    /// What must be known of a model that was learned from what it is judged on.
+    fn has_seen(&self) -> Option<String> {
+        let Self { name, recordings, learned } = self;
+        (*learned > 0).then(|| {
+            format!(
+                "{name} was learned from {learned} of these {recordings} recordings: it looks better on them than \
+                 on people whom it has not seen"
+            )
+        })
+    }
 }
 
 /// Reads everybody, leaves each person out, and prints.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let file = read_people_file(&args.people)?;
     let body = Body::load(&args.body, Path::new("."))?;
     let model = args.model.as_ref().map(|m| load_model(m, Path::new("."))).transpose()?;
@@ -57,16 +72,15 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     progress.tell("reading", 0, file.count());
     let people = read_people(&file)?;
     drop(progress);
-    // Known before minutes are spent.
+    // Known before minutes are spent, as is what cannot be written.
+    args.output.as_deref().map_or(Ok(()), |folder| outputs.expect_folder(folder))?;
     for remark in remarks_of(people.iter().flat_map(|p| &p.sources)) {
         complain!("warning: {remark}");
     }
     let judged = model.as_ref().map(|(model, _)| Judged::new(model, &people));
-    if let Some(Judged { name, recordings, learned }) = judged.as_ref().filter(|j| j.learned > 0) {
-        complain!(
-            "warning: {name} was learned from {learned} of these {recordings} recordings: it looks better on them \
-             than on people whom it has not seen"
-        );
+    let seen: Vec<String> = judged.iter().filter_map(Judged::has_seen).collect();
+    for remark in &seen {
+        complain!("warning: {remark}");
     }
     let progress = Progress::new();
     let mut told = |done: usize, total: usize| {
@@ -86,10 +100,22 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let Some(found) = found else {
         return Err(InputError::new(&args.people, "was not finished: interrupted").into());
     };
+    let json = as_json(&found, judged.as_ref());
+    if let Some(folder) = &args.output {
+        let fault = |e: ReportError| InputError::fault("report", e.to_string());
+        let name = judged.as_ref().map(|j| j.name.as_str());
+        let mut files = validation_files(&found, name, &seen).map_err(fault)?;
+        files.push(("validation.json".to_owned(), format!("{json}\n").into_bytes()));
+        outputs.folder(folder, files)?;
+        outputs.write()?;
+    }
     if args.json {
-        say!("{}", as_json(&found, judged.as_ref()));
+        say!("{json}");
     } else {
         print_text(&found, judged.as_ref());
+        if let Some(folder) = &args.output {
+            say!("\n{}", folder.join("validation.html").display());
+        }
     }
     Ok(Outcome::Done)
 }

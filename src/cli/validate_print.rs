@@ -56,6 +56,10 @@ pub(super) fn as_json(found: &LeftOut, judged: Option<&Judged>) -> Value {
         known.iter().filter(|p| **p != Predictor::FullW).map(|p| without_chance(*p)).collect();
     let all = found.movements();
     let crps: Vec<f64> = (0..FEATURES.len()).map(|f| found.crps(f)).collect();
+    let entered = found
+        .entered()
+        .into_iter()
+        .map(|e| (e.column.to_owned(), json!({"recorded": e.recorded, "predicted": e.predicted})));
     let mut value = json!({
         "schema": "ergopath/validation/1",
         "model": judged.map(|j| &j.name),
@@ -71,6 +75,7 @@ pub(super) fn as_json(found: &LeftOut, judged: Option<&Judged>) -> Value {
         "energy_score_one_law_deg": mean(&all.iter().map(|m| m.one_law.energy_deg).collect::<Vec<_>>()),
         "ended_share": mean(&all.iter().map(|m| m.bands.ended_share).collect::<Vec<_>>()),
         "standing": found.standing().map(|(rms_m, inside_90)| json!({"rms_m": rms_m, "inside90": inside_90})),
+        "entered": entered.collect::<Map<String, Value>>(),
         "without_chance": without_chance(Predictor::FullW),
         "baselines": baselines,
     });

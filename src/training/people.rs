@@ -3,6 +3,7 @@
 
 mod bands;
 mod centres;
+mod curves;
 mod file;
 mod left_out;
 mod predictors;
@@ -12,12 +13,13 @@ mod summary;
 
 pub use bands::{Bands, FeatureScore};
 pub use centres::CENTRES;
+pub use curves::{Curve, Curves};
 pub use file::{PEOPLE_SCHEMA, PeopleFile, read_people_file};
 pub use left_out::{
     LeftOut, MovementScore, PersonScore, PredictorScore, REPETITIONS, validate, validate_model,
 };
 pub use predictors::Predictor;
-pub use risk::{Agreement, PartKnown, RiskScore, agreement};
+pub use risk::{Agreement, PartKnown, RiskScore, SheetMean, agreement};
 pub use seen::Seen;
 pub use summary::{Known, RiskAgreement, coverage};
 

@@ -105,7 +105,13 @@ fn a_model_that_is_there_is_judged_on_one_person() {
     let room = tempfile::tempdir().unwrap();
     let Some(file) = people(&["bk"], room.path()) else { return };
     let judged = |model: &str| {
-        let run = ergopath().arg("validate").arg(&file).args(["--model", model, "--json"]).assert();
+        let folder = room.path().join(model);
+        let run = ergopath()
+            .arg("validate")
+            .arg(&file)
+            .args(["--model", model, "--json", "-o"])
+            .arg(&folder)
+            .assert();
         let output = run.code(0).get_output().clone();
         let found: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(found["persons"][0]["movements"].as_array().unwrap().len(), 3);
@@ -115,6 +121,16 @@ fn a_model_that_is_there_is_judged_on_one_person() {
         assert!(baselines.iter().any(|b| b["name"] == "plain-ik"));
         let energy_deg = found["energy_score_deg"].as_f64().unwrap();
         assert_eq!(found["recordings"], 3);
+        // The folder holds the same figures, a page and its pictures.
+        let kept = std::fs::read(folder.join("validation.json")).unwrap();
+        assert_eq!(serde_json::from_slice::<Value>(&kept).unwrap(), found);
+        let page = std::fs::read_to_string(folder.join("validation.html")).unwrap();
+        assert!(page.contains("Are the scores of a plan those of the person who does the work?"));
+        assert_eq!(page.contains("was learned from 3 of these 3"), model == "people");
+        for picture in ["scores", "coverage", "movement"] {
+            let png = std::fs::read(folder.join(format!("figures/{picture}.png"))).unwrap();
+            assert_eq!(&png[1..4], b"PNG", "{picture}");
+        }
         assert_eq!(found["learned_recordings"], if model == "people" { 3 } else { 0 });
         (energy_deg, String::from_utf8_lossy(&output.stderr).into_owned())
     };

@@ -16,11 +16,12 @@ use super::super::standing::{StandingScore, judge_standing};
 use super::super::strangers::Strangers;
 use super::bands::{Bands, in_units};
 use super::centres::{CENTRES, Centres};
+use super::curves::{Curve, Curves};
 use super::predictors::{Predictor, Taught};
-use super::risk::{Assessor, RiskScore};
+use super::risk::{Assessor, Repeated, RiskScore, SheetMean};
 use super::seen::Seen;
 use super::{FEATURES, Features, Movement, Person, refuse_unlike};
-use crate::ergonomics::{PerMethod, Worksheet};
+use crate::ergonomics::{PerMethod, ScoringMethod, Worksheet};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis};
 use crate::posture::{Modelled, Modes, PostureModel, low_place};
@@ -57,6 +58,8 @@ pub struct MovementScore {
     pub predictors: Vec<PredictorScore>,
     /// RULA and REBA of the record and of repetitions; none where fewer than two begin.
     pub risk: Option<PerMethod<RiskScore>>,
+    /// What is entered in their sheets.
+    pub entered: Vec<SheetMean>,
     /// Bands of repetitions.
     #[serde(flatten)]
     pub bands: Bands,
@@ -66,6 +69,9 @@ pub struct MovementScore {
     pub modes: Vec<f64>,
     /// How far the fitted body itself is from the record, rms, in the order of [`FEATURES`].
     pub fit_rms: Features,
+    /// Over time, for pictures; none where fewer than two repetitions begin.
+    #[serde(skip)]
+    pub curves: Option<Curves>,
 }
 
 /// One person who was left out.
@@ -227,12 +233,12 @@ impl Judge<'_> {
         let place = low_place(run.iter().map(|f| &f.hand), self.own.coupling.stature_m());
         let told = self.taught.modes.as_ref().and_then(|modes| modes.at(place));
         let alone = self.strangers(None, run)?;
-        let one_law = self.bands(&alone, &record);
+        let one_law = self.bands(&alone, &record).1;
         let strangers = match told {
             Some(_) => self.strangers(self.taught.modes.as_ref(), run)?,
             None => alone,
         };
-        let bands = self.bands(&strangers, &record);
+        let (walks, bands) = self.bands(&strangers, &record);
         let repeated = self.assessor.repeated(&strangers.walks, (self.seed, run[0].trial as u32));
         let fitted: Vec<Features> =
             run.iter().map(|f| self.measurer.measure(f.q.as_slice())).collect();
@@ -241,6 +247,8 @@ impl Judge<'_> {
             frames: run.len(),
             predictors,
             risk: self.assessor.compared(&repeated, &record.sheets),
+            entered: Assessor::entered(&repeated, &record.sheets),
+            curves: self.curves(&record, &walks, &repeated),
             bands,
             one_law,
             modes: told.map_or_else(Vec::new, |t| t.shares),
@@ -280,11 +288,31 @@ impl Judge<'_> {
         Some(Strangers::along(&people, &self.own, run, (self.seed, REPETITIONS)))
     }
 
-    /// What the bands of the repetitions that begin hold.
-    fn bands(&self, strangers: &Strangers, record: &Record) -> Bands {
+    /// Features of the repetitions that begin (R x T), and what their bands hold.
+    fn bands(&self, strangers: &Strangers, record: &Record) -> (Vec<Vec<Features>>, Bands) {
         let walks = strangers.features(&self.measurer);
         let leg_m = self.measurer.legs.length_m();
-        Bands::of(&walks, &record.features, leg_m, strangers.ended_share())
+        let bands = Bands::of(&walks, &record.features, leg_m, strangers.ended_share());
+        (walks, bands)
+    }
+
+    fn curves(
+        &self,
+        record: &Record,
+        walks: &[Vec<Features>],
+        repeated: &Repeated,
+    ) -> Option<Curves> {
+        let method = ScoringMethod::Rula;
+        let scores = self.assessor.over_time(repeated, &record.sheets, (method, None));
+        let numbers = |s: &Vec<u8>| s.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>();
+        let own = record.sheets.iter().map(|s| f64::from(self.assessor.total(s, method)));
+        (walks.len() > 1).then(|| Curves {
+            time_s: record.run.iter().map(|f| f.time_s).collect(),
+            features: (0..FEATURES.len())
+                .map(|feature| Curve::of_feature(&record.features, walks, feature))
+                .collect(),
+            rula: Curve::of(own.collect(), &scores.iter().map(numbers).collect::<Vec<_>>()),
+        })
     }
 
     /// Rms over time, in the units of the scores.
@@ -304,7 +332,6 @@ impl Judge<'_> {
 mod tests {
     use super::super::summary::Known;
     use super::*;
-    use crate::ergonomics::ScoringMethod;
     use crate::human::Side;
     use crate::math::stats::mean;
     use crate::training::SimulatedMovements;
@@ -384,6 +411,15 @@ mod tests {
         assert_eq!(rula.movements, 16);
         assert!(mae < 0.7 * still, "RULA: {mae} against {still}");
         assert!(rula.inside90 > 0.6, "{rula:?}");
+        for movement in &movements {
+            let (curves, risk) =
+                (movement.curves.as_ref().unwrap(), movement.risk.as_ref().unwrap());
+            let over_time = [&curves.rula.recorded, &curves.rula.mean].map(|v| mean(v));
+            let risk = &risk[ScoringMethod::Rula];
+            assert!((over_time[0] - risk.recorded).abs() < 1e-9);
+            assert!((over_time[1] - risk.predicted).abs() < 1e-9);
+            assert_eq!(curves.time_s.len(), curves.features[0].recorded.len());
+        }
         // What was measured was the body itself, but for the filter's hair at the ends.
         assert!(movements.iter().flat_map(|m| m.fit_rms).all(|f| f < 1e-9));
         let mut stop = |_: usize, _: usize| false;

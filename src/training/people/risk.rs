@@ -49,6 +49,41 @@ pub struct PartKnown {
     pub predicted: f64,
 }
 
+/// What is entered in a column of the sheets: an angle (deg), or the share of the time for which a box is ticked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SheetMean {
+    /// Name of the column.
+    pub column: &'static str,
+    /// Of the recorded person, mean over time.
+    pub recorded: f64,
+    /// Of repetitions, mean over those and time; NaN where none follows the hand.
+    pub predicted: f64,
+}
+
+impl SheetMean {
+    /// Whether the column holds an angle; the others are boxes.
+    pub fn is_angle(&self) -> bool {
+        ANGLES.contains(&self.column)
+    }
+}
+
+/// Columns of a sheet that hold an angle, deg.
+const ANGLES: [&str; 6] =
+    ["upper_arm_flex", "elbow_flex", "wrist_flex", "neck_flex", "trunk_flex", "knee_flex"];
+/// Columns of a sheet that the task fills in and no posture.
+const OF_TASK: [&str; 10] = [
+    "arm_supported",
+    "trunk_seated_supported",
+    "sitting",
+    "load_kg",
+    "load_static_or_repeated",
+    "load_shock",
+    "static_gt_1min",
+    "repeated_gt_4min",
+    "rapid_large_changes",
+    "coupling",
+];
+
 impl RiskScore {
     /// Whether the recorded score is in a band.
     pub fn is_inside(&self, [low, high]: [f64; 2]) -> bool {
@@ -168,6 +203,25 @@ impl Assessor {
         repeated.sheets.par_iter().map(one).collect()
     }
 
+    /// What is entered in the sheets of a recorded movement and of repetitions that follow the hand.
+    pub(super) fn entered(repeated: &Repeated, recorded: &[Worksheet]) -> Vec<SheetMean> {
+        let all: Vec<&Worksheet> = repeated.sheets.iter().flatten().flatten().collect();
+        let recorded: Vec<&Worksheet> = recorded.iter().collect();
+        let mean_of = |sheets: &[&Worksheet]| -> Vec<f64> {
+            let mut sum = vec![0.0; Worksheet::COLUMNS.len()];
+            for sheet in sheets {
+                sum.iter_mut().zip(sheet.values()).for_each(|(s, v)| *s += v);
+            }
+            sum.iter().map(|s| s / sheets.len() as f64).collect()
+        };
+        let columns =
+            Worksheet::COLUMNS.into_iter().zip(mean_of(&recorded).into_iter().zip(mean_of(&all)));
+        columns
+            .filter(|(column, _)| !OF_TASK.contains(column))
+            .map(|(column, (recorded, predicted))| SheetMean { column, recorded, predicted })
+            .collect()
+    }
+
     /// What repetitions say of a recorded movement; none for fewer than two.
     pub(super) fn compared(
         &self,
@@ -272,15 +326,8 @@ mod tests {
     fn parts_of_a_sheet_make_up_all_that_a_posture_tells() {
         // Everything that a posture fills in differs.
         let (mut own, mut other) = ([0.0; 26], [0.0; 26]);
-        let task = ["arm_supported", "trunk_seated_supported", "sitting", "load_kg"];
-        let task = [
-            &task[..],
-            &["load_static_or_repeated", "load_shock", "static_gt_1min", "repeated_gt_4min"],
-            &["rapid_large_changes", "coupling"],
-        ]
-        .concat();
         for (i, column) in Worksheet::COLUMNS.iter().enumerate() {
-            if !task.contains(column) {
+            if !OF_TASK.contains(column) {
                 other[i] = 1.0;
             }
             own[i] = 0.0;
@@ -355,5 +402,12 @@ mod tests {
         );
         assert_eq!(rula.with_recorded.len(), BodyPart::ALL.len());
         assert!(assessor.compared(&assessor.repeated(&walks[..1], (1, 0)), &recorded).is_none());
+        // Of the five postures that follow the hand, all alike.
+        let entered = Assessor::entered(&repeated, &recorded);
+        assert_eq!(entered.len(), Worksheet::COLUMNS.len() - OF_TASK.len());
+        let arm = entered.iter().find(|e| e.column == "upper_arm_flex").unwrap();
+        assert!((arm.recorded - recorded[0].upper_arm_flex_deg).abs() < 1e-9);
+        assert_eq!(entered.iter().filter(|e| e.is_angle()).count(), ANGLES.len());
+        assert!((arm.predicted - arm.recorded).abs() < 1e-9 && arm.recorded != 0.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::left_out::{LeftOut, MovementScore, PersonScore, PredictorScore};
 use super::predictors::Predictor;
-use super::risk::{Agreement, agreement};
+use super::risk::{Agreement, SheetMean, agreement};
 use super::{CENTRES, FEATURES};
 use crate::ergonomics::{BodyPart, ScoringMethod};
 use crate::math::stats::mean;
@@ -166,6 +166,24 @@ impl LeftOut {
         });
         let pairs: Vec<[f64; 2]> = pairs.collect();
         (!pairs.is_empty()).then(|| agreement(&pairs))
+    }
+
+    /// What is entered in the sheets, mean over movements.
+    pub fn entered(&self) -> Vec<SheetMean> {
+        let all = self.movements();
+        let Some(first) = all.first() else { return Vec::new() };
+        let over = |i: usize, of: fn(&SheetMean) -> f64| {
+            let values = all.iter().map(|m| of(&m.entered[i])).filter(|v| v.is_finite());
+            mean(&values.collect::<Vec<_>>())
+        };
+        let columns = first.entered.iter().enumerate();
+        columns
+            .map(|(i, entered)| SheetMean {
+                column: entered.column,
+                recorded: over(i, |e| e.recorded),
+                predicted: over(i, |e| e.predicted),
+            })
+            .collect()
     }
 
     /// How well standing places were predicted: rms ahead and to the right (m), and the share within what the others
