@@ -19,7 +19,7 @@ mod views;
 pub use frames::{Frame, ScoredSide, ScoredTrack, frames_csv, score_side};
 pub use motion::{Motion, MotionKind, Track, read_angles, read_recorded};
 pub use parts::{Angle, PARTS, Part, Step};
-pub use setup::{Answer, Declared, Input, Neck, Use, inputs, word};
+pub use setup::{Answer, Declared, Input, Neck, Use, inputs};
 pub use standards::{BackTimes, LiftAsked, LubaTimes, OtherMethods};
 pub use summary::{
     AngleSpread, DriverShare, LevelShare, OverRollouts, OverTime, PartSummary, RolloutFigures,

@@ -87,7 +87,7 @@ fn map(map: &Map) -> Explained {
 fn people(file: &PeopleFile) -> Explained {
     let mut explained = Explained::new(format!("a list of {} recorded people", file.count()));
     for (name, recordings, side, body) in file.people() {
-        let side = if side == Side::Right { "right" } else { "left" };
+        let side = side.name();
         let body = body.map_or_else(
             || "in a body as the recorded arm asks for".to_owned(),
             |b| format!("in the body {}", b.name),

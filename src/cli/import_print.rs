@@ -76,7 +76,7 @@ pub(super) fn print_text(done: &Import, side: Side) {
         done.body.name,
         size.sex,
         size.stature_m,
-        if side == Side::Right { "right" } else { "left" }
+        side.name()
     );
 }
 

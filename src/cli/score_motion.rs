@@ -11,7 +11,7 @@ use crate::report::{Picked, sheet_files};
 use crate::scenario::{Scenario, read_scenario};
 use crate::scoring::{
     Declared, LiftAsked, Motion, MotionKind, ScoredSide, Summary, frames_csv, read_angles,
-    read_recorded, score_side, summarise, word,
+    read_recorded, score_side, summarise,
 };
 use std::path::Path;
 
@@ -132,7 +132,7 @@ fn score(path: &Path, setting: &Setting, args: &Args) -> Result<Scored, InputErr
             Some(scored) => sides.push(scored),
             None if setting.sides.is_empty() => {}
             None => {
-                let message = format!("nobody measured or predicted the {} arm", word(*side));
+                let message = format!("nobody measured or predicted the {} arm", side.name());
                 return Err(InputError::new(path, message)
                     .remedy("an unknown arm is not scored; choose the other with --side"));
             }

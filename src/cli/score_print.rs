@@ -5,7 +5,7 @@ use crate::human::Side;
 use crate::scenario::Origin;
 use crate::scoring::{
     DriverShare, MotionKind, OtherMethods, OverRollouts, OverTime, PartSummary, SideSummary,
-    Summary, word,
+    Summary,
 };
 use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
@@ -26,7 +26,7 @@ pub(super) fn print_text(s: &Summary) {
         s.profile.name
     );
     for side in &s.sides {
-        say!("\n{} SIDE", word(side.side).to_uppercase());
+        say!("\n{} SIDE", side.side.name().to_uppercase());
         if let Some(over) = &side.over_time {
             print_over_time(over);
         }
@@ -314,7 +314,7 @@ pub(super) fn print_paired(a: &Summary, b: &Summary, rows: &[(Side, [PairedDiffe
             };
             say!(
                 "  {:5} {name}  {:+.2} ({:+.2} to {:+.2})  {verdict}",
-                word(*side),
+                side.name(),
                 d.mean,
                 d.low95,
                 d.high95

@@ -22,6 +22,14 @@ impl Side {
         }
     }
 
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Left => "left",
+        }
+    }
+
     /// "Right" or "Left", as Xsens names begin.
     pub fn prefix(self) -> &'static str {
         match self {

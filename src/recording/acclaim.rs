@@ -7,7 +7,7 @@ mod skeleton;
 
 use self::anatomy::Anatomy;
 use self::skeleton::Skeleton;
-use super::axes::NEXT;
+use super::axes::lengths_between;
 use super::checks::{make_continuous, note_oddities, still_collar_bones, turned_leg};
 use super::{Recording, Remark, SegmentTrack, bare_name};
 use crate::files::{InputError, read_bytes, sha256_hex};
@@ -163,15 +163,7 @@ fn segment_lengths(anatomy: &Anatomy, skeleton: &Skeleton) -> Vec<(String, f64)>
         let part = anatomy.parts.iter().find(|p| p.name == name)?;
         Some(anatomy.pose(part, skeleton, &rest).0)
     };
-    let across = [
-        ("ShoulderToShoulder", "RightUpperArm", "LeftUpperArm"),
-        ("HipToHip", "RightUpperLeg", "LeftUpperLeg"),
-    ];
-    let along = NEXT.iter().map(|(segment, next)| (*segment, *segment, *next));
-    along
-        .chain(across)
-        .filter_map(|(name, from, to)| Some((name.to_owned(), (start(to)? - start(from)?).norm())))
-        .collect()
+    lengths_between(|from, to| Some((start(to)? - start(from)?).norm()))
 }
 
 /// Mean length of the legs from hip to ankle, m.

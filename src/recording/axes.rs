@@ -54,6 +54,22 @@ pub(super) const NEXT: [(&str, &str); 18] = [
     ("LeftFoot", "LeftToe"),
 ];
 
+/// Lengths of segments (m) by the distance between two joint centres: from each to the next of the main chain,
+/// across the shoulders and across the hips, where both centres are known. Hands have none.
+pub(super) fn lengths_between(
+    distance_m: impl Fn(&str, &str) -> Option<f64>,
+) -> Vec<(String, f64)> {
+    let across = [
+        ("ShoulderToShoulder", "RightUpperArm", "LeftUpperArm"),
+        ("HipToHip", "RightUpperLeg", "LeftUpperLeg"),
+    ];
+    let along = NEXT.iter().map(|(segment, next)| (*segment, *segment, *next));
+    along
+        .chain(across)
+        .filter_map(|(name, from, to)| Some((name.to_owned(), distance_m(from, to)?)))
+        .collect()
+}
+
 /// MVNX segment axes (x forward, y left, z up) from ISB axes (x forward, y up, z right).
 ///
 /// The zero of MVNX v3 is already the anatomical pose with palms forward: in the calibration frame

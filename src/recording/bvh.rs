@@ -11,7 +11,7 @@ use self::names::Joints;
 use self::parse::Motion;
 use self::rest::Rest;
 use self::skeleton::{Placed, Skeleton};
-use super::axes::NEXT;
+use super::axes::lengths_between;
 use super::checks::{
     make_continuous, note_oddities, sort_segments, still_collar_bones, turned_leg,
 };
@@ -137,15 +137,7 @@ fn segment_lengths(anatomy: &Anatomy, rest: &Rest) -> Vec<(String, f64)> {
         let part = anatomy.parts.iter().find(|p| p.name == name)?;
         Some(anatomy.pose(part, &rest.placed).0)
     };
-    let across = [
-        ("ShoulderToShoulder", "RightUpperArm", "LeftUpperArm"),
-        ("HipToHip", "RightUpperLeg", "LeftUpperLeg"),
-    ];
-    let along = NEXT.iter().map(|(segment, next)| (*segment, *segment, *next));
-    along
-        .chain(across)
-        .filter_map(|(name, from, to)| Some((name.to_owned(), (start(to)? - start(from)?).norm())))
-        .collect()
+    lengths_between(|from, to| Some((start(to)? - start(from)?).norm()))
 }
 
 /// Sum of two lengths on a side that has both, mean of the sides.

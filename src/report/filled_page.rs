@@ -6,7 +6,7 @@ use super::page::document;
 use super::style::{Level, css, method_levels};
 use crate::ergonomics::{Profile, ScoringMethod, TaskInputs, reba_action_words, rula_action_words};
 use crate::scenario::Origin;
-use crate::scoring::{Frame, Input, MotionKind, ScoredSide, Summary, word};
+use crate::scoring::{Frame, Input, MotionKind, ScoredSide, Summary};
 use maud::{Markup, PreEscaped, html};
 
 /// A frame whose sheet was asked for.
@@ -42,7 +42,7 @@ pub fn sheet_files(picked: &Picked) -> Result<Vec<(String, Vec<u8>)>, ReportErro
     } else {
         String::new()
     };
-    let stem = format!("worksheets/{}-{:.3}s{track}", word(picked.side.side), frame.time_s);
+    let stem = format!("worksheets/{}-{:.3}s{track}", picked.side.side.name(), frame.time_s);
     let profile = &picked.summary.profile;
     Ok(vec![
         (format!("{stem}.html"), page(picked, frame).into_bytes()),
@@ -78,7 +78,7 @@ const STYLE: &str = "
 
 fn page(picked: &Picked, frame: &Frame) -> String {
     let s = picked.summary;
-    let side = word(picked.side.side);
+    let side = picked.side.side.name();
     let title = format!("Worksheet, {side} side, {:.2} s \u{2013} {}", frame.time_s, s.source);
     let track = (picked.side.tracks.len() > 1)
         .then(|| format!(", {} {}", s.kind.track_word(), picked.track_name()));

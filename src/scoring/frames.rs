@@ -2,7 +2,7 @@
 
 use super::motion::{Motion, Track};
 use super::parts::{PARTS, Part};
-use super::setup::{Answer, Declared, Neck, Use, word};
+use super::setup::{Answer, Declared, Neck, Use};
 use crate::ergonomics::{
     ArmAngles, BackAngle, Clock, PartTimeline, Profile, RebaSteps, RulaSteps, Shown, TaskInputs,
     TimeRules, TrunkNeckAngles, Worksheet, reba, rula, worksheet,
@@ -258,7 +258,7 @@ pub fn frames_csv(motion: &Motion, sides: &[ScoredSide]) -> Result<Vec<u8>, Inpu
         for track in &side.tracks {
             for frame in &track.frames {
                 let mut row =
-                    vec![track.name.clone(), word(side.side).to_owned(), short(frame.time_s)];
+                    vec![track.name.clone(), side.side.name().to_owned(), short(frame.time_s)];
                 row.extend(angles().map(|a| short((a.of)(frame))));
                 row.extend(frame.sheet.values().iter().map(|v| short(*v)));
                 row.extend(frame.rula.values().iter().map(u8::to_string));

@@ -227,7 +227,7 @@ fn posture_inputs(motion: &Motion, declared: &Declared, side: Side) -> Vec<Input
     };
     let mut all = vec![line("trunk".to_owned(), motion.origin, from)];
     for s in [Side::Right, Side::Left] {
-        let name = format!("{} arm", word(s));
+        let name = format!("{} arm", s.name());
         all.push(if motion.has_arm(s) {
             line(name, motion.origin, from)
         } else if declared.hanging == Some(s) {
@@ -248,7 +248,7 @@ fn posture_inputs(motion: &Motion, declared: &Declared, side: Side) -> Vec<Input
                 Origin::Assumed
             };
             let value = if rule == Neck::Gaze {
-                format!("head turned to the {} hand", word(side))
+                format!("head turned to the {} hand", side.name())
             } else {
                 "in line with the trunk".to_owned()
             };
@@ -280,12 +280,4 @@ fn posture_inputs(motion: &Motion, declared: &Declared, side: Side) -> Vec<Input
         all.push(line("trunk supported by a backrest".to_owned(), backrest, value));
     }
     all
-}
-
-/// A side in words.
-pub fn word(side: Side) -> &'static str {
-    match side {
-        Side::Right => "right",
-        Side::Left => "left",
-    }
 }

@@ -169,7 +169,7 @@ fn motion(name: &str, runs: &[ImportedRun], whom: &Whom) -> Result<String, Input
             ((0..t.q.len()).map(time).collect(), t.q.clone())
         })
         .collect();
-    let made_by = format!("{}, {} hand, body {}", name, word(whom.side), whom.body.name);
+    let made_by = format!("{}, {} hand, body {}", name, whom.side.name(), whom.body.name);
     // The mark is the first line.
     let text = motion_text(
         &[FITTED_MARK.trim_start_matches("# "), &made_by],
@@ -201,13 +201,6 @@ fn with_steps(text: &str, steps: &[bool]) -> String {
         with.push('\n');
     }
     with
-}
-
-pub(super) fn word(side: Side) -> &'static str {
-    match side {
-        Side::Right => "right",
-        Side::Left => "left",
-    }
 }
 
 impl Import {

@@ -104,7 +104,7 @@ fn refuse_unlike(people: &[Person]) -> Result<(), InputError> {
     let side = people.first().map(|p| p.side);
     if let Some(other) = people.iter().find(|p| Some(p.side) != side) {
         let message =
-            format!("leads with the {} hand, and others with the other", side_name(other.side));
+            format!("leads with the {} hand, and others with the other", other.side.name());
         return Err(InputError::new(&other.name, message)
             .remedy("learn a model of each side; any model also serves as its mirror image"));
     }
@@ -145,11 +145,4 @@ pub(super) fn sized(name: &str, side: Side, recordings: &[Recording]) -> Result<
     let stature_m = (1e3 * stature.clamp(STATURES_M.0, STATURES_M.1)).round() / 1e3;
     let mass_kg = (10.0 * BODY_MASS_INDEX * stature_m * stature_m).round() / 10.0;
     Body::of_size(name, BodySize { stature_m, mass_kg, sex: model.size.sex })
-}
-
-fn side_name(side: Side) -> &'static str {
-    match side {
-        Side::Right => "right",
-        Side::Left => "left",
-    }
 }

@@ -6,7 +6,7 @@ use super::remarks::{self, Taken};
 use super::{Map, Part};
 use crate::files::{InputError, suggest};
 use crate::math::{Vec3, stats};
-use crate::recording::axes::{NEXT, upright};
+use crate::recording::axes::{lengths_between, upright};
 use crate::recording::checks::{make_continuous, note_oddities, sort_segments};
 use crate::recording::{Markers, Recording, SegmentTrack};
 use nalgebra::UnitQuaternion;
@@ -317,13 +317,5 @@ fn lengths(made: &BTreeMap<String, Made>) -> Vec<(String, f64)> {
         let lengths: Vec<f64> = from.iter().zip(to).map(|(a, b)| (b - a).norm()).collect();
         Some(stats::quantile(&lengths, 0.5))
     };
-    let across = [
-        ("ShoulderToShoulder", "RightUpperArm", "LeftUpperArm"),
-        ("HipToHip", "RightUpperLeg", "LeftUpperLeg"),
-    ];
-    let along = NEXT.iter().map(|(segment, next)| (*segment, *segment, *next));
-    along
-        .chain(across)
-        .filter_map(|(name, from, to)| Some((name.to_owned(), between(from, to)?)))
-        .collect()
+    lengths_between(between)
 }

@@ -33,11 +33,11 @@ pub fn read_recorded(
         match result {
             Ok(motion) => {
                 let told = motion.report.remarks.iter();
-                notes.extend(told.map(|r| format!("{} arm: {}", word(side), r.text)));
+                notes.extend(told.map(|r| format!("{} arm: {}", side.name(), r.text)));
                 arms.push((side, motion));
             }
             Err(e) => {
-                notes.push(format!("the {} arm is not scored: {}", word(side), e.message()));
+                notes.push(format!("the {} arm is not scored: {}", side.name(), e.message()));
                 refused = refused.or(Some(e));
             }
         }
@@ -61,13 +61,6 @@ pub fn read_recorded(
         origin: Origin::Measured,
         notes,
     })
-}
-
-fn word(side: Side) -> &'static str {
-    match side {
-        Side::Right => "right",
-        Side::Left => "left",
-    }
 }
 
 /// The postures of one fitted chain; only its own arm is known.

@@ -1,6 +1,6 @@
 //! What should be looked at before an import is believed, in words: what changes the result comes first.
 
-use super::{ImportedFile, word};
+use super::ImportedFile;
 use crate::human::{Pelvis, Side};
 use crate::math::stats;
 use crate::recording::{Recording, Remark, Run, grouped};
@@ -63,14 +63,14 @@ fn way<'a>(recordings: impl Iterator<Item = &'a Recording>, side: Side) -> Optio
 }
 
 fn idle<'a>(recordings: impl Iterator<Item = &'a Recording> + Clone, side: Side) -> Option<Remark> {
-    let other = if side == Side::Right { Side::Left } else { Side::Right };
+    let other = side.other();
     let (own, others) = (way(recordings.clone(), side)?, way(recordings, other)?);
     (others > IDLE_WAY_M && others > IDLE * own).then(|| {
         let text = format!(
             "the {} hand goes {own:.2} m, the {} one {others:.2} m: did you mean --side {}?",
-            word(side),
-            word(other),
-            word(other)
+            side.name(),
+            other.name(),
+            other.name()
         );
         Remark::new("idle hand", text).of_size(others)
     })
