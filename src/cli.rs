@@ -18,6 +18,7 @@ macro_rules! complain {
     }};
 }
 
+mod adapt;
 mod bars;
 mod batch;
 mod bench;
@@ -92,6 +93,8 @@ enum Command {
     Import(import::Args),
     /// Learns from recordings how a person resolves the redundancy of the body.
     Train(train::Args),
+    /// Makes a model of several people that of one worker who was recorded for some seconds.
+    Adapt(adapt::Args),
     /// Judge all methods on held-out rows of a data file or a recording.
     Evaluate(Box<evaluate::Args>),
     /// Predict recorded people whom no law has seen: errors, and what bands of strangers hold.
@@ -169,6 +172,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args, outputs),
         Command::Import(args) => import::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),
+        Command::Adapt(args) => adapt::run(&args, outputs),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Validate(args) => validate::run(&args, outputs),
         Command::Bench(args) => bench::bench(&args, outputs),

@@ -32,6 +32,7 @@ mod lens;
 mod moments;
 mod near;
 mod objective;
+mod people;
 mod person;
 mod pipeline;
 mod prepare;

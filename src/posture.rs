@@ -31,6 +31,7 @@ mod model;
 mod modes;
 mod noise;
 mod pair;
+mod population;
 mod primitive;
 mod process;
 mod rollout;
@@ -41,7 +42,7 @@ mod step;
 
 pub use adapt::Unsuitable;
 pub use attraction::{Attraction, HandFeatures, Origin, Pull, UsualPosture};
-pub use behaviour::{Behaviour, Certain, Modelled, Repeated};
+pub use behaviour::{Behaviour, Certain, Modelled, PERSONS, Repeated};
 pub use conditional::{Conditional, condition};
 pub use coupling::{Coupling, Hold, Observation};
 pub use file::{MODEL_SCHEMA, load_model, model_text, save_model};
@@ -58,6 +59,7 @@ pub use noise::{
     Clock, Drift, DriftPath, LowNoise, Noise, NoisePath, NoiseShares, gain, speed_squared,
 };
 pub use pair::Pair;
+pub use population::Population;
 pub use primitive::{Primitive, basis};
 pub use process::{FunctionDraw, Posterior, Process};
 pub use rollout::{Rollout, roll_out};

@@ -14,6 +14,7 @@
 //! [`held_out_curves`] are what the pictures of a training show.
 
 mod active_set;
+mod adapt;
 mod calibration;
 mod calibration_experiment;
 mod chain;
@@ -57,6 +58,7 @@ mod train;
 mod way;
 mod weight_spread;
 
+pub use adapt::{SHORTEST_S, adapt, recorded_s};
 pub use calibration_experiment::{CalibrationCell, run_calibration};
 pub use data_file::{DataFile, read_data, task_of_rows};
 pub use dataset::{DataRow, Dataset, Fold, Frame, Trial};

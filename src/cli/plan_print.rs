@@ -145,9 +145,12 @@ fn row(
 fn print_strain(result: &RunResult) {
     let Some(best) = words::verdict::lead(result) else { return };
     for b in &best.bodies {
-        let Some(strain) = &b.strain else { continue };
+        let lines = words::strain::lines(b);
+        if lines.is_empty() {
+            continue;
+        }
         say!("\nThe body of {} along `{}`", b.body, best.id);
-        for (name, sentence) in words::strain::lines(strain) {
+        for (name, sentence) in lines {
             say!("  {name:<14} {sentence}");
         }
     }

@@ -8,7 +8,7 @@ use crate::human::Body;
 use crate::posture::{PostureModel, load_model};
 use crate::report::{ReportError, validation_files};
 use crate::training::people::{Person, read_people, read_people_file, validate, validate_model};
-use crate::training::{TrainSettings, remarks_of};
+use crate::training::{SHORTEST_S, TrainSettings, remarks_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -24,12 +24,25 @@ pub(super) struct Args {
     /// Body in which the postures of all people meet.
     #[arg(long, default_value = "male_p50")]
     body: String,
+    /// Also tell what so many seconds of each person's own bring (s): the people's model adapted to them, and a
+    /// model of them alone, on the person's other movements.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, conflicts_with = "model")]
+    own: Option<f64>,
     /// Print JSON at full precision.
     #[arg(long)]
     json: bool,
     /// Folder for a page, validation.html, with its pictures and validation.json.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "give a number of seconds".to_owned())?;
+    let range = SHORTEST_S..=600.0;
+    range
+        .contains(&seconds)
+        .then_some(seconds)
+        .ok_or_else(|| format!("give from {} to {} seconds", range.start(), range.end()))
 }
 
 /// A saved model that was judged.
@@ -94,7 +107,7 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
     let settings = TrainSettings::default();
     let found = match &model {
         Some((model, _)) => validate_model(&people, model, &settings, &mut told)?,
-        None => validate(&people, &body, &settings, &mut told)?,
+        None => validate(&people, &body, &settings, args.own, &mut told)?,
     };
     drop(progress);
     let Some(found) = found else {

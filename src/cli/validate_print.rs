@@ -4,7 +4,8 @@ use super::validate::Judged;
 use crate::ergonomics::{BodyPart, PerMethod, ScoringMethod};
 use crate::math::stats::{mean, quantile};
 use crate::training::people::{
-    Agreement, CENTRES, FEATURES, Known, LeftOut, MovementScore, Predictor, REPETITIONS, coverage,
+    AdaptedScore, Agreement, CENTRES, FEATURES, Known, LeftOut, MovementScore, OwnError, Predictor,
+    REPETITIONS, coverage,
 };
 use crate::words::number::{change, percent, score};
 use comfy_table::{CellAlignment, Table, presets};
@@ -76,6 +77,7 @@ pub(super) fn as_json(found: &LeftOut, judged: Option<&Judged>) -> Value {
         "ended_share": mean(&all.iter().map(|m| m.bands.ended_share).collect::<Vec<_>>()),
         "standing": found.standing().map(|(rms_m, inside_90)| json!({"rms_m": rms_m, "inside90": inside_90})),
         "entered": entered.collect::<Map<String, Value>>(),
+        "adapted": found.adapted,
         "without_chance": without_chance(Predictor::FullW),
         "baselines": baselines,
     });
@@ -107,6 +109,40 @@ pub(super) fn print_text(found: &LeftOut, judged: Option<&Judged>) {
     print_bands(found, &all);
     print_risk(found);
     print_rest(found, &all);
+    print_adapted(&found.adapted);
+}
+
+/// What each person's own seconds bring.
+fn print_adapted(scores: &[AdaptedScore]) {
+    let Some(first) = scores.first() else { return };
+    let header = [
+        format!("with {} s of the person's own", first.own_s),
+        "movements".to_owned(),
+        "people: error deg".to_owned(),
+        "adapted".to_owned(),
+        "own alone".to_owned(),
+        "people: energy deg".to_owned(),
+        "adapted".to_owned(),
+        "own alone".to_owned(),
+    ];
+    let mut table = table(header.to_vec());
+    let figure = |v: Option<f64>| match v.filter(|v| v.is_finite()) {
+        Some(v) => format!("{v:.1}"),
+        None => "none".to_owned(),
+    };
+    for s in scores {
+        let mut row = vec![s.person.clone(), s.movements.to_string()];
+        for of in [|e: OwnError| e.error_deg, |e: OwnError| e.energy_deg] {
+            row.extend([Some(s.people), Some(s.adapted), s.own].map(|e| figure(e.map(of))));
+        }
+        table.add_row(row);
+    }
+    show(table);
+    say!(
+        "  On the movements of which nothing was taken. Error: trunk, upper arm, elbow and knees from the recorded first \
+         posture, root mean square over time; energy: energy score of repetitions from drawn starts. None: so little does \
+         not make a model."
+    );
 }
 
 fn print_postures(found: &LeftOut, all: &[&MovementScore]) {

@@ -234,6 +234,7 @@ fn station(
         let provenance = Provenance {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             simulated: true,
+            adapted_s: None,
             people: 1,
             recordings: Vec::new(),
             body: (draft.body.name.clone(), draft.body.sha256()),

@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn rula_levels_of_a_small_case() {
         let scores = vec![vec![2, 3, 5, 7], vec![1, 1, 6, 6]];
-        let d = score_distribution(&scores, 0.5, RULA_WORST, P_AT_LEAST_S).unwrap();
+        let d = score_distribution(&scores, 0.5, RULA_WORST, P_AT_LEAST_S, None).unwrap();
         let levels = ScoringMethod::Rula.levels(&d);
         let bounds: Vec<_> = levels.iter().map(|l| (l.level, l.from_score, l.to_score)).collect();
         assert_eq!(bounds, [(1, 1, 2), (2, 3, 4), (3, 5, 6), (4, 7, 7)]);
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn reba_levels_cover_all_scores_once() {
         let scores = vec![(1..=15).collect::<Vec<u8>>()];
-        let d = score_distribution(&scores, 0.1, REBA_WORST, P_AT_LEAST_S).unwrap();
+        let d = score_distribution(&scores, 0.1, REBA_WORST, P_AT_LEAST_S, None).unwrap();
         let levels = ScoringMethod::Reba.levels(&d);
         assert_eq!(levels.len(), 5);
         assert_relative_eq!(levels.iter().map(|l| l.share).sum::<f64>(), 1.0, epsilon = 1e-12);

@@ -303,7 +303,7 @@ mod tests {
         let expected = |all: &[Vec<Option<RulaSteps>>]| {
             let scores: Vec<Vec<u8>> =
                 all.iter().map(|r| r.iter().flatten().map(|s| s.grand).collect()).collect();
-            super::super::score_distribution(&scores, 1.0, 7, 0.5).unwrap().expected
+            super::super::score_distribution(&scores, 1.0, 7, 0.5, None).unwrap().expected
         };
         let shares = rula_step_shares(&steps(false), profile.rula_table_a);
         let trunk = shares[5];

@@ -1,6 +1,7 @@
 //! What many sampled postures say together: expected score, its spread, the time spent at high
 //! scores.
 
+use super::people::by_person;
 use crate::math::stats::{cvar_upper, mean, quantile, quantile_of_sorted, standard_error};
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +53,8 @@ pub struct ScoreDistribution {
 /// `scores[r][i]` is the score at time `i dt` (s), with the worst score filled in by the caller
 /// after a rollout's reach is exceeded. Each sample stands for `dt` of time. `worst` is the highest
 /// score of the method (7 for RULA, 15 for REBA) and sets how far the lists by `k` go; `at_least_s`
-/// is the duration for `p_at_least` (usually [`P_AT_LEAST_S`]). Rollouts may differ in length; each
+/// is the duration for `p_at_least` (usually [`P_AT_LEAST_S`]). Where people repeat in turn, rollout `r` is of
+/// person `r` modulo their number, and standard errors are those of means of people. Rollouts may differ in length; each
 /// then counts alike, and the band at a time covers those that reach it. `None` when there is no
 /// rollout or one has no sample.
 pub fn score_distribution(
@@ -60,6 +62,7 @@ pub fn score_distribution(
     dt: f64,
     worst: u8,
     at_least_s: f64,
+    persons: Option<usize>,
 ) -> Option<ScoreDistribution> {
     if scores.is_empty() || scores.iter().any(Vec::is_empty) {
         return None;
@@ -78,10 +81,11 @@ pub fn score_distribution(
         }
     }
     let means = |by_k: &[Vec<f64>]| by_k.iter().map(|v| mean(v)).collect();
-    let errors = |by_k: &[Vec<f64>]| by_k.iter().map(|v| standard_error(v)).collect();
+    let error = |values: &[f64]| standard_error(&by_person(values, persons));
+    let errors = |by_k: &[Vec<f64>]| by_k.iter().map(|v| error(v)).collect();
     Some(ScoreDistribution {
         expected: mean(&time_means),
-        standard_error: standard_error(&time_means),
+        standard_error: error(&time_means),
         median: quantile(&time_means, 0.5),
         p05: quantile(&time_means, 0.05),
         p95: quantile(&time_means, 0.95),
@@ -146,7 +150,7 @@ mod tests {
     #[test]
     fn figures_of_a_small_case() {
         let scores = vec![vec![3, 3, 5, 5], vec![3, 7, 7, 7]];
-        let d = score_distribution(&scores, 0.2, 7, 0.5).unwrap();
+        let d = score_distribution(&scores, 0.2, 7, 0.5, None).unwrap();
         assert_relative_eq!(d.expected, 5.0);
         assert_relative_eq!(d.standard_error.unwrap(), 1.0);
         assert_relative_eq!(d.median, 5.0);
@@ -168,7 +172,7 @@ mod tests {
     #[test]
     fn exactly_the_named_duration_counts() {
         let scores = vec![[vec![7; 25], vec![1; 25]].concat()];
-        let d = score_distribution(&scores, 0.02, 7, P_AT_LEAST_S).unwrap();
+        let d = score_distribution(&scores, 0.02, 7, P_AT_LEAST_S, None).unwrap();
         assert_relative_eq!(d.p_at_least[7], 1.0);
         assert_eq!((d.standard_error, d.exposure_se), (None, None));
     }
@@ -177,14 +181,14 @@ mod tests {
     fn expected_score_is_the_sum_of_exposures() {
         let scores: Vec<Vec<u8>> =
             (0..9u8).map(|r| (0..40u8).map(|i| 1 + (r * 7 + i * 3) % 15).collect()).collect();
-        let d = score_distribution(&scores, 0.1, 15, 0.5).unwrap();
+        let d = score_distribution(&scores, 0.1, 15, 0.5, None).unwrap();
         assert_relative_eq!(d.exposure[1..].iter().sum::<f64>(), d.expected, epsilon = 1e-12);
         assert!(d.p05 <= d.median && d.median <= d.p95 && d.expected <= d.cvar90);
     }
 
     #[test]
     fn nothing_to_summarise_is_none() {
-        assert_eq!(score_distribution(&[], 0.1, 7, 0.5), None);
-        assert_eq!(score_distribution(&[vec![1], vec![]], 0.1, 7, 0.5), None);
+        assert_eq!(score_distribution(&[], 0.1, 7, 0.5, None), None);
+        assert_eq!(score_distribution(&[vec![1], vec![]], 0.1, 7, 0.5, None), None);
     }
 }

@@ -105,15 +105,17 @@ pub fn paired_difference(a: &[f64], b: &[f64]) -> PairedDifference {
 const RESAMPLES: usize = 500;
 
 /// Difference of the [`grouped_median`]s of `a` and `b`, with the 95 % percentile interval of a
-/// bootstrap over pairs. Pairs and their number as in [`paired_difference`]; the resampling is always
-/// the same, so that the same values give the same interval.
-pub fn paired_median_difference(a: &[f64], b: &[f64]) -> PairedDifference {
-    let n = a.len().min(b.len());
+/// bootstrap over pairs, or over people with all their pairs (pair `r` is of person `r` modulo their number).
+/// Pairs as in [`paired_difference`]; the resampling is always the same, so that the same values give the same
+/// interval.
+pub fn paired_median_difference(a: &[f64], b: &[f64], persons: Option<usize>) -> PairedDifference {
+    let count = a.len().min(b.len());
+    let n = persons.map_or(count, |p| p.min(count));
     let of = |pairs: &mut dyn Iterator<Item = usize>| {
         let (a, b): (Vec<f64>, Vec<f64>) = pairs.map(|i| (a[i], b[i])).unzip();
         grouped_median(&a) - grouped_median(&b)
     };
-    let mean = of(&mut (0..n));
+    let mean = of(&mut (0..count));
     if n < 2 {
         let half = if n == 0 { f64::NAN } else { f64::INFINITY };
         return PairedDifference { n, mean, low95: mean - half, high95: mean + half, clear: false };
@@ -121,8 +123,8 @@ pub fn paired_median_difference(a: &[f64], b: &[f64]) -> PairedDifference {
     let mut rng = stream(0, Purpose::Bootstrap, 0, 0);
     let drawn: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
-            let pairs: Vec<usize> = (0..n).map(|_| rng.random_range(0..n)).collect();
-            of(&mut pairs.into_iter())
+            let drawn: Vec<usize> = (0..n).map(|_| rng.random_range(0..n)).collect();
+            of(&mut drawn.into_iter().flat_map(|p| (p..count).step_by(n)))
         })
         .collect();
     let (low95, high95) = (quantile(&drawn, 0.025), quantile(&drawn, 0.975));
@@ -163,15 +165,15 @@ mod tests {
                 (0..100).map(|_| if rng.random_bool(p) { 5.0 } else { 6.0 }).collect()
             };
             let (a, b) = (draw(0.5), draw(0.7));
-            let d = paired_median_difference(&a, &b);
+            let d = paired_median_difference(&a, &b, None);
             // The medians of endless lists: 5.5, and 4.5 + 0.5 / 0.7.
             let truth = 5.5 - (4.5 + 0.5 / 0.7);
             held += usize::from((d.low95..=d.high95).contains(&truth));
         }
         assert!((180..=198).contains(&held), "{held} of {count}");
-        let same = paired_median_difference(&[5.0, 6.0, 5.0], &[5.0, 6.0, 5.0]);
+        let same = paired_median_difference(&[5.0, 6.0, 5.0], &[5.0, 6.0, 5.0], None);
         assert!(!same.clear && same.mean == 0.0);
-        assert!(paired_median_difference(&[], &[]).mean.is_nan());
+        assert!(paired_median_difference(&[], &[], None).mean.is_nan());
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub enum Purpose {
     Simulation = 4,
     /// Resampling for confidence intervals.
     Bootstrap = 5,
+    /// What a person has of their own in all repetitions.
+    Person = 6,
 }
 
 /// The stream of `index` in `block` for a purpose.

@@ -8,7 +8,7 @@
 use super::lens::lens;
 use super::objective::Figures;
 use super::person::{Person, modelled};
-use crate::ergonomics::{PairedDifference, paired_difference};
+use crate::ergonomics::PairedDifference;
 use crate::files::InputError;
 use crate::human::Stance;
 use crate::math::stats::mean;
@@ -192,8 +192,7 @@ fn outcome(
         Figures::of(&all[body].repeat(&path, &nominal, (seed, BLOCK), 0..repetitions), &lens)
     };
     let own = walk(path);
-    let against =
-        straight.map(|s| paired_difference(&own.rula().time_mean, &walk(s).rula().time_mean));
+    let against = straight.map(|s| own.rula().less(walk(s).rula(), |f| &f.time_mean));
     Ok(Outcome {
         expected_rula: mean(&own.rula().time_mean),
         exposure_rula_5: mean(&own.rula().high),

@@ -10,7 +10,7 @@ use super::prepare::Prepared;
 use super::preset::Objective;
 use super::result::{BodyScores, Bought, Price, TimingDifference};
 use crate::ergonomics::{
-    PairedDifference, ScoringMethod, paired_difference, paired_median_difference,
+    PairedDifference, ScoringMethod, by_person, paired_difference, paired_median_difference,
 };
 use crate::math::stats::mean;
 use crate::scenario::Freedom;
@@ -24,7 +24,8 @@ const PENALTY: f64 = 1.0;
 pub(super) fn prices(o: &Objective, this: &[Figures], straight: &[Figures]) -> Vec<Bought> {
     let of = |f: &Figures, m: ScoringMethod| {
         let s = &f.scores[m];
-        [s.time_mean.clone(), s.peak.clone(), s.per_metre.clone()]
+        let figures = [s.time_mean.clone(), s.peak.clone(), s.per_metre.clone()];
+        Compared { figures, persons: s.persons }
     };
     let pairs = this.iter().zip(straight);
     pairs.flat_map(|(a, b)| of_body(o, |m| [of(a, m), of(b, m)])).collect()
@@ -38,24 +39,32 @@ pub(super) fn reported_prices(
 ) -> Vec<Bought> {
     let of = |b: &BodyScores, m: ScoringMethod| {
         let s = &b.scores[m];
-        [s.by_rollout.clone(), s.peak_by_rollout.clone(), s.per_metre_by_rollout.clone()]
+        let figures =
+            [s.by_rollout.clone(), s.peak_by_rollout.clone(), s.per_metre_by_rollout.clone()];
+        Compared { figures, persons: s.persons() }
     };
     let pairs = this.iter().zip(straight);
     pairs.flat_map(|(a, b)| of_body(o, |m| [of(a, m), of(b, m)])).collect()
 }
 
-/// Means over time, peaks and scores per metre, one for each repetition.
-type Compared = [Vec<f64>; 3];
+/// Means over time, peaks and scores per metre, one for each repetition, of people who repeat in turn.
+struct Compared {
+    figures: [Vec<f64>; 3],
+    persons: Option<usize>,
+}
 
 /// Of the methods whose mean the objective lowers, and which is lower here: where it is not, nothing
 /// was bought.
 fn of_body(o: &Objective, of: impl Fn(ScoringMethod) -> [Compared; 2]) -> Vec<Bought> {
     let lowered = ScoringMethod::ALL.into_iter().filter(|m| o.weights(*m).all() != [0.0; 4]);
     let both = |method: ScoringMethod| {
-        let [[mean_a, peak_a, metre_a], [mean_b, peak_b, metre_b]] = of(method);
+        let [a, b] = of(method);
+        let persons = a.persons;
+        let ([mean_a, peak_a, metre_a], [mean_b, peak_b, metre_b]) = (a.figures, b.figures);
         let is_lower = mean(&mean_a) < mean(&mean_b);
+        let [metre_a, metre_b] = [metre_a, metre_b].map(|m| by_person(&m, persons));
         let prices = [
-            (Price::Peak, paired_median_difference(&peak_a, &peak_b)),
+            (Price::Peak, paired_median_difference(&peak_a, &peak_b, persons)),
             (Price::PerMetre, paired_difference(&metre_a, &metre_b)),
         ];
         prices

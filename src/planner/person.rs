@@ -280,7 +280,7 @@ impl<'a> Person<'a> {
         let led: Vec<Pose> = hands.iter().map(|g| g.first).collect();
         let walked = Walked { starts, repeated, feet, would_step };
         let measured = Repetitions::measured(&self.surveyor, walked, heads, (&path.time_s, &led));
-        Repetitions { mixture, ..measured }
+        Repetitions { mixture, persons: behaviour.persons(), ..measured }
     }
 
     /// How often each mode occurs on a path, by where its lowest place is from the feet of the scenario. Where
@@ -313,7 +313,7 @@ impl<'a> Person<'a> {
     fn head(&self, block: (u64, u32), r: usize, is_sure: bool) -> HeadDraw {
         let hands = self.scenario.worker.hands;
         let mean = HeadDraw::mean((hands != Hands::Both).then(|| hands.lead()));
-        if is_sure { mean } else { mean.of_repetition(block, r) }
+        if is_sure { mean } else { mean.of_repetition(block, r, self.behaviour.persons()) }
     }
 
     /// How many of some start postures get the hand to a TCP pose.

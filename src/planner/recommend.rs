@@ -11,7 +11,7 @@ use super::objective::Figures;
 use super::person::Person;
 use super::prepare::Prepared;
 use super::result::{CellChange, Effect, Recommendation, Recommendations, StandingPlace, Way};
-use crate::ergonomics::{PerMethod, ScoringMethod, paired_difference};
+use crate::ergonomics::{PerMethod, ScoringMethod};
 use crate::human::Stance;
 use crate::math::stats::mean;
 use crate::math::{Pose, Vec3};
@@ -97,7 +97,7 @@ pub(super) fn recommend(
         let effect = PerMethod::of(|m| {
             let (a, b) = (&then.scores[m], &before.scores[m]);
             Effect {
-                change: paired_difference(&a.time_mean, &b.time_mean),
+                change: a.less(b, |f| &f.time_mean),
                 expected: [mean(&b.time_mean), mean(&a.time_mean)],
                 high: [mean(&b.high), mean(&a.high)],
             }

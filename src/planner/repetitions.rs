@@ -25,6 +25,12 @@ pub(super) struct Repetition {
 }
 
 impl Repetition {
+    /// The angles as far as the hand follows.
+    pub(super) fn reached(&self) -> &[PostureAngles] {
+        let end = self.rollout.reach_exceeded_at.unwrap_or(self.angles.len());
+        &self.angles[..end.min(self.angles.len())]
+    }
+
     /// Where the feet are at a sample.
     pub(super) fn footing(&self, k: usize) -> Footing {
         let at = self.feet.as_ref().and_then(|feet| feet.at.get(k).or(feet.at.last()));
@@ -55,6 +61,8 @@ pub(super) struct Repetitions {
     pub extrapolation_share: f64,
     /// How often each mode occurs; none where they are not told apart.
     pub mixture: Option<Mixture>,
+    /// How many people repeat in turn; none where every repetition counts alone.
+    pub persons: Option<usize>,
 }
 
 impl Repetitions {
@@ -83,7 +91,8 @@ impl Repetitions {
         let intervals = time_s.len().saturating_sub(1).max(1) as f64;
         let dt = (time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0)) / intervals;
         let extrapolation_share = repeated.extrapolation_share;
-        Self { all, dt, travel: travel_shares(hand), extrapolation_share, mixture: None }
+        let travel = travel_shares(hand);
+        Self { all, dt, travel, extrapolation_share, mixture: None, persons: None }
     }
 }
 

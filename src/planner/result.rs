@@ -7,8 +7,8 @@ use super::preset::Preset;
 use super::refusal::{Hint, RefusedGroup, Status};
 use super::scene::{PosedMannequin, Scene};
 use crate::ergonomics::{
-    ActionLevelShare, LiftAssessment, PairedDifference, PerMethod, ScoreDistribution,
-    ScoringMethod, ThresholdSensitivity, paired_difference,
+    ActionLevelShare, LiftAssessment, PairedDifference, PeopleSpread, PerMethod, ScoreDistribution,
+    ScoringMethod, ThresholdSensitivity, by_person, paired_difference,
 };
 use crate::files::null_as_nan;
 use crate::human::{BodySize, Hands, Stance};
@@ -159,7 +159,7 @@ pub enum Decision {
 }
 
 /// Why a posture model does not speak of the worker concerned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Caveat {
     /// Made from simulated movements.
@@ -168,6 +168,13 @@ pub enum Caveat {
     RecordedPeople {
         /// How many.
         count: usize,
+    },
+    /// Learned from several people, and adapted to one worker.
+    Adapted {
+        /// How many people.
+        count: usize,
+        /// How long the worker was recorded, s.
+        seconds: f64,
     },
     /// Learned from one person of another size.
     OtherBody,
@@ -283,6 +290,9 @@ pub struct BodyScores {
     pub objective: f64,
     /// How near the robot comes to this person; none without shapes or motion of the robot.
     pub person_clearance: Option<PersonClearance>,
+    /// Who is worst off among people who repeat; none where nobody does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_off: Option<WorstOff>,
     /// What the whole body does; none where no repetition begins.
     #[serde(default)]
     pub strain: Option<BodyStrain>,
@@ -325,6 +335,38 @@ impl BodyScores {
     }
 }
 
+/// The person with the highest mean RULA among those who repeat.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorstOff {
+    /// Number of the person, from 1.
+    pub person: usize,
+    /// Mean RULA of this person's repetitions.
+    pub score: f64,
+    /// Mean angles that differ most from those of all people: which, and by how many degrees.
+    pub departs: Vec<(Moved, f64)>,
+}
+
+/// What people do more or less of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Moved {
+    /// Bend the trunk forward.
+    Trunk,
+    /// Raise the upper arm.
+    UpperArm,
+    /// Bend the elbow.
+    Elbow,
+    /// Bend the neck forward.
+    Neck,
+    /// Bend the knees.
+    Knees,
+}
+
+impl Moved {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Trunk, Self::UpperArm, Self::Elbow, Self::Neck, Self::Knees];
+}
+
 /// Scores of one body along one path by one method.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MethodScores {
@@ -333,6 +375,9 @@ pub struct MethodScores {
     pub distribution: ScoreDistribution,
     /// Time and probability at each action level.
     pub levels: Vec<ActionLevelShare>,
+    /// How people differ; none where nobody repeats.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub people: Option<PeopleSpread>,
     /// Shares of time at action level 3 or above, by repetition: mean, 5th and 95th percentile.
     pub high_band: [f64; 3],
     /// Mean over hand travel and repetitions; it does not depend on the timing.
@@ -347,6 +392,19 @@ pub struct MethodScores {
     pub peak_by_rollout: Vec<f64>,
     /// The steps of the method over repetitions and time.
     pub parts: Vec<PartScore>,
+}
+
+impl MethodScores {
+    /// How many people repeat in turn; none where every repetition counts alone.
+    pub fn persons(&self) -> Option<usize> {
+        self.people.as_ref().map(|p| p.persons)
+    }
+
+    /// Less those of another path on the same repetitions, by what is picked.
+    pub fn less(&self, other: &Self, pick: fn(&Self) -> &Vec<f64>) -> PairedDifference {
+        let of = |s: &Self| by_person(pick(s), self.persons());
+        paired_difference(&of(self), &of(other))
+    }
 }
 
 /// What the whole body does along a path; each figure over repetitions.
@@ -583,9 +641,9 @@ impl Difference {
     /// Of one body's scores by one method along two paths.
     pub fn between(a: &MethodScores, b: &MethodScores) -> Self {
         Self {
-            time_mean: paired_difference(&a.by_rollout, &b.by_rollout),
-            per_metre: paired_difference(&a.per_metre_by_rollout, &b.per_metre_by_rollout),
-            peak: paired_difference(&a.peak_by_rollout, &b.peak_by_rollout),
+            time_mean: a.less(b, |s| &s.by_rollout),
+            per_metre: a.less(b, |s| &s.per_metre_by_rollout),
+            peak: a.less(b, |s| &s.peak_by_rollout),
         }
     }
 }

@@ -10,8 +10,8 @@
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{MethodScores, PartScore};
 use crate::ergonomics::{
-    P_AT_LEAST_S, PerMethod, ScoringMethod, Sheet, exposure_by_rollout, score_distribution,
-    time_means,
+    P_AT_LEAST_S, PairedDifference, PeopleSpread, PerMethod, ScoringMethod, Sheet, by_person,
+    exposure_by_rollout, paired_difference, score_distribution, time_means,
 };
 use crate::math::stats::{grouped_median, mean, quantile};
 use crate::survey::{Lens, PostureAngles};
@@ -32,9 +32,17 @@ pub struct MethodFigures {
     pub high: Vec<f64>,
     /// 1 where action level 3 or above lasts for at least half a second in total.
     pub lasts_high: Vec<f64>,
+    /// How many people repeat in turn; none where every repetition counts alone.
+    pub persons: Option<usize>,
 }
 
 impl MethodFigures {
+    /// Less those of another path on the same repetitions, by what is picked.
+    pub(super) fn less(&self, other: &Self, pick: fn(&Self) -> &Vec<f64>) -> PairedDifference {
+        let of = |f: &Self| by_person(pick(f), self.persons);
+        paired_difference(&of(self), &of(other))
+    }
+
     /// Appends further repetitions.
     pub(super) fn extend(&mut self, more: Self) {
         self.time_mean.extend(more.time_mean);
@@ -42,6 +50,7 @@ impl MethodFigures {
         self.peak.extend(more.peak);
         self.high.extend(more.high);
         self.lasts_high.extend(more.lasts_high);
+        self.persons = more.persons;
     }
 }
 
@@ -50,6 +59,7 @@ pub(super) struct Scored<'a> {
     by_method: PerMethod<Vec<Vec<u8>>>,
     dt: f64,
     travel: &'a [f64],
+    persons: Option<usize>,
 }
 
 impl<'a> Scored<'a> {
@@ -59,7 +69,8 @@ impl<'a> Scored<'a> {
 
     pub(super) fn from_sheets(repetitions: &'a Repetitions, sheets: &Sheets) -> Self {
         let by_method = PerMethod::of(|m| sheets.totals(m));
-        Self { by_method, dt: repetitions.dt, travel: &repetitions.travel }
+        let Repetitions { dt, travel, persons, .. } = repetitions;
+        Self { by_method, dt: *dt, travel, persons: *persons }
     }
 
     /// By one method.
@@ -81,6 +92,7 @@ impl<'a> Scored<'a> {
             peak: scores.iter().map(peak).collect(),
             high: exposure_by_rollout(scores, method.high()),
             lasts_high: scores.iter().map(lasts).collect(),
+            persons: self.persons,
         }
     }
 
@@ -91,10 +103,12 @@ impl<'a> Scored<'a> {
         parts: Vec<PartScore>,
     ) -> Option<MethodScores> {
         let scores = &self.by_method[method];
-        let distribution = score_distribution(scores, self.dt, method.worst(), P_AT_LEAST_S)?;
+        let distribution =
+            score_distribution(scores, self.dt, method.worst(), P_AT_LEAST_S, self.persons)?;
         let figures = self.figures(method);
         let band = |v: &[f64]| [mean(v), quantile(v, 0.05), quantile(v, 0.95)];
         Some(MethodScores {
+            people: PeopleSpread::of(&figures.time_mean, &figures.lasts_high, self.persons),
             levels: method.levels(&distribution),
             distribution,
             high_band: band(&figures.high),
@@ -154,6 +168,7 @@ mod tests {
                 by_method: PerMethod::of(|_| vec![scores.clone()]),
                 dt: 0.04,
                 travel: &travel_shares(&poses),
+                persons: None,
             };
             let figures = scored.figures(ScoringMethod::Rula);
             assert!((figures.per_metre[0] - 4.0).abs() < 0.05, "{}", figures.per_metre[0]);

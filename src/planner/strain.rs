@@ -35,7 +35,7 @@ impl Repetitions {
         person: &Person,
     ) -> Option<BodyStrain> {
         let begun: Vec<&[PostureAngles]> =
-            self.all.iter().map(reached).filter(|a| !a.is_empty()).collect();
+            self.all.iter().map(Repetition::reached).filter(|a| !a.is_empty()).collect();
         if begun.is_empty() {
             return None;
         }
@@ -94,7 +94,7 @@ impl Repetitions {
     pub(super) fn stretched_share(&self, worker: &Worker) -> Option<f64> {
         let is_stretched = |r: &Repetition| {
             let at_edge = |a: &PostureAngles| a.margin_m.is_some_and(|m| m < AT_EDGE_M);
-            r.would_step || r.rollout.reach_exceeded_at.is_some() || reached(r).iter().any(at_edge)
+            r.would_step || r.rollout.reach_exceeded_at.is_some() || r.reached().iter().any(at_edge)
         };
         let count = self.all.iter().filter(|r| is_stretched(r)).count() as f64;
         let must_stay = worker.pelvis == Pelvis::Moves && !worker.may_step;
@@ -141,7 +141,7 @@ impl Repetitions {
 
     /// Largest moment about L5/S1 of each repetition that begins, N m.
     pub(super) fn l5s1_peaks_nm(&self) -> Vec<f64> {
-        let begun = self.all.iter().map(reached).filter(|a| !a.is_empty());
+        let begun = self.all.iter().map(Repetition::reached).filter(|a| !a.is_empty());
         begun.map(|a| a.iter().map(|a| a.l5s1_nm).fold(f64::NEG_INFINITY, f64::max)).collect()
     }
 
@@ -154,7 +154,7 @@ impl Repetitions {
     ) -> Option<FurnitureClearance> {
         let parts = person.parts();
         let nearest = |r: &Repetition| {
-            let steps = reached(r).len();
+            let steps = r.reached().len();
             let last = steps.checked_sub(1)?;
             let mut moments: Vec<usize> = (0..=MOMENTS).map(|i| i * last / MOMENTS).collect();
             moments.dedup();
@@ -194,12 +194,6 @@ struct Touch<'a> {
     part: &'a str,
     name: &'a str,
     step: usize,
-}
-
-/// The frames before the reach is exceeded.
-fn reached(repetition: &Repetition) -> &[PostureAngles] {
-    let end = repetition.rollout.reach_exceeded_at.unwrap_or(repetition.angles.len());
-    &repetition.angles[..end.min(repetition.angles.len())]
 }
 
 fn spread(values: &[f64]) -> Spread {

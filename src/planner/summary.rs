@@ -55,6 +55,7 @@ impl Repetitions {
             body: body.to_owned(),
             objective: 0.0,
             person_clearance: None,
+            worst_off: scores[ScoringMethod::Rula].people.as_ref().map(|p| self.worst_off(lens, p)),
             strain: None,
             rollouts: self.all.len(),
             scores,
@@ -66,6 +67,7 @@ impl Repetitions {
                     self.dt,
                     ScoringMethod::Rula.worst(),
                     P_AT_LEAST_S,
+                    self.persons,
                 )
             },
             reach_exceeded: exceeded.len() as f64 / count,

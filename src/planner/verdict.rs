@@ -11,7 +11,7 @@ use super::result::{
 };
 use super::space::{ANY_FREEDOM, WITHOUT, held};
 use super::timing::lingering;
-use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod, paired_difference};
+use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::path::Family;
 use crate::robot::{NotChecked, ObstacleClearance, SelfClearance};
 use crate::scenario::{Origin, Scenario, TIMING};
@@ -150,9 +150,8 @@ fn gain(candidates: &[CandidateResult], lead: &CandidateResult, body: &BodyScore
     let unpaced = candidates.iter().filter(usable).find(|c| c.id == without).and_then(of_body);
     let is_timed = retimed.is_some() || unpaced.is_some();
     let scores = PerMethod::of(|m| {
-        let over = |other: &BodyScores| {
-            paired_difference(&straight.scores[m].by_rollout, &other.scores[m].by_rollout)
-        };
+        let over =
+            |other: &BodyScores| straight.scores[m].less(&other.scores[m], |s| &s.by_rollout);
         let together = over(body);
         GainParts {
             together,
@@ -409,6 +408,8 @@ fn caveat(scenario: &Scenario) -> Option<Caveat> {
     let count = model.provenance.people;
     if model.provenance.simulated {
         Some(Caveat::DemonstrationModel)
+    } else if let Some(seconds) = model.provenance.adapted_s {
+        Some(Caveat::Adapted { count, seconds })
     } else if count > 1 {
         Some(Caveat::RecordedPeople { count })
     } else {

@@ -93,7 +93,9 @@ impl Walk<'_> {
         }
         let (seed, block) = self.block;
         let block = FEET_BLOCK.wrapping_add(block);
-        stepper.draw(&mut stream(seed, Purpose::Posture, block, r as u32))
+        let person = self.behaviour.persons().map(|persons| (r % persons) as u32);
+        let mut own = person.map(|p| stream(seed, Purpose::Person, block, p));
+        stepper.draw(&mut stream(seed, Purpose::Posture, block, r as u32), own.as_mut())
     }
 
     /// Repetitions along some grips, the feet where these are seen from.

@@ -116,6 +116,8 @@ pub struct Attraction {
     mean: DVector<f64>,
     coefficients: DMatrix<f64>,
     factor: Option<Factor>,
+    /// Whose postures are asked for; none for somebody else than those it was learned from.
+    person: Option<usize>,
 }
 
 /// Whose a training posture is, and of which of their movements.
@@ -139,19 +141,23 @@ struct Stored {
     /// Of each posture; empty of one person, whose movements are taken together.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     origins: Vec<Origin>,
+    /// Which of the people is the worker; none where that is somebody else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    person: Option<usize>,
     postures_rad: DMatrix<f64>,
 }
 
 impl From<Stored> for Attraction {
     fn from(s: Stored) -> Self {
-        Self::assemble(
+        let of_all = Self::assemble(
             s.pull,
             s.length_scale,
             s.noise_variance,
             s.features,
             (s.inputs, s.origins),
             s.postures_rad,
-        )
+        );
+        Self { person: s.person, ..of_all }
     }
 }
 
@@ -164,6 +170,7 @@ impl From<Attraction> for Stored {
             features: a.features,
             inputs: a.inputs,
             origins: a.origins,
+            person: a.person,
             postures_rad: a.postures,
         }
     }
@@ -268,15 +275,40 @@ impl Attraction {
             mean,
             coefficients,
             factor,
+            person: None,
         }
+    }
+
+    /// The usual postures of one more person: those of all, as far as this person's own (M x n, rad, with their
+    /// hands in a body of `stature_m` and the movement of each) do not say otherwise. None of a regression over
+    /// the postures of one person.
+    pub fn of_one_more(
+        &self,
+        hands: &[Pose],
+        postures: &DMatrix<f64>,
+        movements: &[usize],
+        stature_m: f64,
+    ) -> Option<Self> {
+        let person = 1 + self.origins.iter().map(|o| o.person).max()?;
+        let Self { pull, length_scale, noise, features, mut inputs, mut origins, .. } =
+            self.clone();
+        let before = 1 + origins.iter().map(|o| o.movement).max()?;
+        inputs.extend(hands.iter().map(|h| features.of(h, stature_m)));
+        origins.extend(movements.iter().map(|m| Origin { person, movement: before + m }));
+        let rows: Vec<_> = self.postures.row_iter().chain(postures.row_iter()).collect();
+        let all = DMatrix::from_rows(&rows);
+        let own = Self::assemble(pull, length_scale, noise, features, (inputs, origins), all);
+        Some(Self { person: Some(person), ..own })
     }
 
     /// The same regression on other postures, made from its own row by row: N x n, rad.
     #[must_use]
     pub fn regressed(&self, change: impl FnOnce(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
-        let Self { pull, length_scale, noise, features, inputs, origins, postures, .. } =
+        let Self { pull, length_scale, noise, features, inputs, origins, postures, person, .. } =
             self.clone();
-        Self::assemble(pull, length_scale, noise, features, (inputs, origins), change(&postures))
+        let places = (inputs, origins);
+        let all = Self::assemble(pull, length_scale, noise, features, places, change(&postures));
+        Self { person, ..all }
     }
 
     /// What the pull goes by.
@@ -285,12 +317,13 @@ impl Attraction {
     }
 
     /// Adds to `out` (n, rad) what the pull does to a posture `q` while the hand goes from where `a` is
-    /// usual to where `b` is: by `travel_m` in `time_s`.
+    /// usual to where `b` is: by `travel_m` in `time_s`. What is usual of this person differs by `own_a` and
+    /// `own_b` (n, rad).
     pub(super) fn add_pull(
         &self,
         out: &mut DVector<f64>,
         (a, b): (&UsualPosture, &UsualPosture),
-        q: &DVector<f64>,
+        (q, own_a, own_b): (&DVector<f64>, Option<&DVector<f64>>, Option<&DVector<f64>>),
         (travel_m, time_s): (f64, f64),
     ) {
         let trust = 0.5 * (a.trust() + b.trust());
@@ -302,6 +335,11 @@ impl Attraction {
         let usual = a.posture.iter().zip(&b.posture);
         for ((o, (a, b)), q) in out.iter_mut().zip(usual).zip(q) {
             *o += along * (b - a) + back * (a - q);
+        }
+        if let (Some(a), Some(b)) = (own_a, own_b) {
+            for (o, (a, b)) in out.iter_mut().zip(a.iter().zip(b)) {
+                *o += along * (b - a) + back * a;
+            }
         }
     }
 
@@ -324,7 +362,7 @@ impl Attraction {
         let usual = self.usual_postures(&[*hand, next], stature_m);
         let mut moved = DVector::zeros(q.len());
         let travel_m = speed_squared(twist).sqrt() * MOMENT_S;
-        self.add_pull(&mut moved, (&usual[0], &usual[1]), q, (travel_m, MOMENT_S));
+        self.add_pull(&mut moved, (&usual[0], &usual[1]), (q, None, None), (travel_m, MOMENT_S));
         moved / MOMENT_S
     }
 
@@ -361,9 +399,15 @@ impl Attraction {
     /// The usual postures for many hand poses, which is faster than one by one.
     pub fn usual_postures(&self, hands: &[Pose], stature_m: f64) -> Vec<UsualPosture> {
         let x: Vec<[f64; 6]> = hands.iter().map(|h| self.features.of(h, stature_m)).collect();
+        let common = |i: usize| {
+            let is_own =
+                self.person.is_some() && self.origins.get(i).map(|o| o.person) == self.person;
+            if is_own { 1.0 + PERSON } else { 1.0 }
+        };
         let near = DMatrix::from_fn(self.inputs.len(), hands.len(), |i, j| {
-            squared_exponential(&self.inputs[i], &x[j], self.length_scale)
+            common(i) * squared_exponential(&self.inputs[i], &x[j], self.length_scale)
         });
+        let prior = if self.person.is_some() { 1.0 + PERSON } else { 1.0 };
         let off = transposed_product(&self.coefficients, &near);
         // k^T K^-1 k = |L^-1 k|^2
         let white = self.factor.as_ref().map(|f| f.solve_lower(&near));
@@ -371,7 +415,7 @@ impl Attraction {
             let explained = white.as_ref().map_or(0.0, |w| w.column(j).norm_squared());
             UsualPosture {
                 posture: &self.mean + off.column(j),
-                confidence: explained.clamp(0.0, 1.0),
+                confidence: (explained / prior).clamp(0.0, 1.0),
             }
         };
         (0..hands.len()).map(usual).collect()
@@ -439,7 +483,7 @@ mod tests {
                 let at = |k: usize| usual(length_m * k as f64 / steps as f64);
                 let mut moved = DVector::zeros(1);
                 let step = (length_m / steps as f64, time_s / steps as f64);
-                model.add_pull(&mut moved, (&at(k), &at(k + 1)), &q, step);
+                model.add_pull(&mut moved, (&at(k), &at(k + 1)), (&q, None, None), step);
                 q += moved;
             }
             q[0]

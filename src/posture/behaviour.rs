@@ -56,7 +56,8 @@ pub trait Behaviour: std::fmt::Debug + Sync {
         who: &[(usize, Option<usize>)],
     ) -> Vec<Start> {
         let postures = self.postures_at(coupling, grips);
-        let of = |&(r, _): &(usize, _)| start_posture(coupling, &postures, rule, grips, (block, r));
+        let of =
+            |&(r, _): &(usize, _)| start_posture(coupling, &postures, rule, grips, (block, r, r));
         who.par_iter().map(of).collect()
     }
 
@@ -73,6 +74,12 @@ pub trait Behaviour: std::fmt::Debug + Sync {
         let modes = self.modes(mixture, block, numbers.clone());
         let who: Vec<_> = numbers.zip(modes).collect();
         self.starts_of(coupling, grips, rule, block, &who)
+    }
+
+    /// How many people repeat in turn, so that repetition `r` is of person `r` modulo their number; none where
+    /// every repetition counts alone.
+    fn persons(&self) -> Option<usize> {
+        None
     }
 
     /// Repetitions along grips in the rest frame at times (s): one from each start, numbered
@@ -106,6 +113,9 @@ const MODE_BLOCK: u32 = 1 << 19;
 /// The golden ratio's fractional part: its multiples spread evenly between 0 and 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
+/// How many people repeat in turn where a model tells people apart.
+pub const PERSONS: usize = 32;
+
 /// Blocks of functions that are kept at a time.
 const KEPT_BLOCKS: usize = 4;
 
@@ -115,6 +125,8 @@ pub struct Modelled<'a> {
     /// Of all together, then that of each mode.
     ways: Vec<Way<'a>>,
     modes: Option<&'a Modes>,
+    /// How many people repeat in turn.
+    persons: usize,
 }
 
 /// One law with its postures.
@@ -171,7 +183,18 @@ impl<'a> Modelled<'a> {
         for mode in modes.iter().flat_map(|m| &m.all) {
             ways.push(Way::new(&mode.law, &mode.postures)?);
         }
-        Some(Self { ways, modes })
+        Some(Self { ways, modes, persons: PERSONS })
+    }
+
+    /// The same with every repetition by somebody else.
+    #[must_use]
+    pub fn strangers(self) -> Self {
+        Self { persons: usize::MAX, ..self }
+    }
+
+    /// Who makes a repetition.
+    fn person(&self, repetition: usize) -> usize {
+        repetition % self.persons
     }
 
     fn way(&self, mode: Option<usize>) -> &Way<'a> {
@@ -220,10 +243,15 @@ impl Behaviour for Modelled<'_> {
         };
         let postures: BTreeMap<_, _> = used.into_iter().map(here).collect();
         let of = |&(r, mode): &(usize, Option<usize>)| {
-            let start = start_posture(coupling, &postures[&mode], rule, grips, (block, r));
+            let who = (block, r, self.person(r));
+            let start = start_posture(coupling, &postures[&mode], rule, grips, who);
             Start { mode, ..start }
         };
         who.par_iter().map(of).collect()
+    }
+
+    fn persons(&self) -> Option<usize> {
+        self.way(None).postures.population.map(|_| self.persons)
     }
 
     fn repeat(
@@ -245,7 +273,8 @@ impl Behaviour for Modelled<'_> {
             let r = first + i;
             let (way, (hand, functions)) = (self.way(start.mode), &laid[&start.mode]);
             let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
-            let draw = way.sampler.draw_with(functions[r].clone(), &mut rng, hand);
+            let own = way.postures.own((seed, block), self.person(r));
+            let draw = way.sampler.draw_with(functions[r].clone(), &mut rng, hand).by(own);
             roll_out(coupling, way.law, hand, start, Some(&draw))
         };
         let rollouts = starts.par_iter().enumerate().map(one).collect();
@@ -372,6 +401,40 @@ mod tests {
         assert!(people.mixture([0.2, -0.1, 0.0]).is_none());
         let (starts, _) = drawn(&Modelled::of((&model.law, &model.postures), None).unwrap(), 0..3);
         assert!(starts.iter().all(|s| s.mode.is_none()));
+    }
+
+    #[test]
+    fn people_repeat_in_turn_and_stay_themselves() {
+        let body = Body::load("male_p50", Path::new(".")).unwrap();
+        let coupled = Coupled { hands: Side::Right.into(), pelvis: Pelvis::Moves };
+        let standing = (Stance::Standing { shoe_m: 0.0 }, 0.0);
+        let coupling = Coupling::of_person(&body, coupled, &[Hold::Rigid], standing).unwrap();
+        let (mut model, _) = load_model("people", Path::new(".")).unwrap();
+        let (times, grips) = path(0.15);
+        let ends = |model: &PostureModel, persons: usize, count: usize| -> Vec<f64> {
+            let people = Modelled { persons, ..Modelled::new(model).unwrap() };
+            let starts =
+                people.starts(&coupling, &grips[0], None, &StartRule::Sampled, (4, 0), 0..count);
+            let walks = people.repeat(&coupling, (&times, &grips), &starts, (4, 0), 0).rollouts;
+            walks.iter().map(|w| w.q.last().unwrap()[3]).collect()
+        };
+        // Repetitions of one person are nearer to each other than those of people are, the more the larger
+        // the person's own part is.
+        let mut share = |own_share: f64| {
+            model.postures.population = Some(super::super::Population { own_share, people: 400 });
+            let ends = ends(&model, 24, 96);
+            let lasts = vec![0.0; ends.len()];
+            let spread = crate::ergonomics::PeopleSpread::of(&ends, &lasts, Some(24)).unwrap();
+            spread.between_sd.powi(2) / (spread.between_sd.powi(2) + spread.within_sd.powi(2))
+        };
+        let (small, large) = (share(0.1), share(0.8));
+        assert!(small < 0.3 && large > 0.4, "{small} {large}");
+        let people = Modelled::new(&model).unwrap();
+        assert_eq!(people.persons(), Some(PERSONS));
+        assert_eq!((people.person(3), people.person(3 + PERSONS)), (3, 3));
+        assert_eq!(people.strangers().person(3 + PERSONS), 3 + PERSONS);
+        model.postures.population = None;
+        assert_eq!(Modelled::new(&model).unwrap().persons(), None);
     }
 
     #[test]

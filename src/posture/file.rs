@@ -5,6 +5,7 @@ use super::law::PostureLaw;
 use super::model::{PostureDistribution, PostureModel};
 use super::modes::LowMovement;
 use super::noise::Clock;
+use super::population::Population;
 use super::standing::StandingPlace;
 use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
 use nalgebra::DMatrix;
@@ -89,6 +90,9 @@ fn parse(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> 
 fn check(model: &PostureModel) -> Result<(), String> {
     let n = model.joints.len();
     check_way(&model.law, &model.postures, n)?;
+    if let Some(fault) = model.postures.population.as_ref().and_then(Population::fault) {
+        return Err(fault.to_owned());
+    }
     if let Some(fault) = model.standing.as_ref().and_then(StandingPlace::fault) {
         return Err(fault.to_owned());
     }

@@ -51,6 +51,8 @@ pub(super) struct Knot {
     pub noise: (usize, f64),
     /// By how much the noise is larger here than on average, n; none where it is alike everywhere.
     pub gains: Option<DVector<f64>>,
+    /// Of the leading hand in the rest frame, over stature.
+    pub height: f64,
     /// Phase of the movement, in [0, 1].
     pub phase: f64,
 }
@@ -80,7 +82,8 @@ impl HandPath {
         for (knot, usual) in path.knots.iter_mut().zip(usual) {
             knot.usual = usual;
             let low = law.noise.low.as_ref();
-            knot.gains = low.map(|low| low.gains(height(coupling, &knot.target)));
+            knot.height = height(coupling, &knot.target);
+            knot.gains = low.map(|low| low.gains(knot.height));
         }
         path
     }
@@ -225,6 +228,7 @@ fn by_hand(targets: &[Grips], travel: &[f64], speed_m_s: f64) -> Layout {
                 travel_m: at,
                 noise: (k, 0.5),
                 gains: None,
+                height: 0.0,
                 phase: k as f64 / steps.max(1) as f64,
             }
         })
@@ -253,6 +257,7 @@ fn by_time(targets: &[Grips], travel: &[f64], time_s: &[f64]) -> Layout {
             travel_m: between(travel),
             noise: (leg, part),
             gains: None,
+            height: 0.0,
             phase: leg as f64 / legs.max(1) as f64,
         }
     };

@@ -11,6 +11,7 @@
 
 use super::attraction::Attraction;
 use super::hand_path::HandPath;
+use super::model::OwnPosture;
 use super::noise::{Clock, DriftPath, Noise, NoisePath};
 use super::pair::Pair;
 use super::primitive::Primitive;
@@ -19,6 +20,7 @@ use crate::math::redundancy::{resolve, weighted_pseudo_inverse};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// z, W, the pull and the noise.
@@ -229,6 +231,8 @@ pub struct Draw<'a> {
     noise: NoisePath,
     drift: Option<DriftPath>,
     functions: Arc<[FunctionDraw]>,
+    /// What the person has of their own; none where that is not known.
+    own: Option<OwnPosture>,
     /// Of independent sampling: by what the noise grows.
     posteriors: Option<&'a [Posterior<'a>]>,
 }
@@ -265,7 +269,7 @@ impl<'a> Sampler<'a> {
             }
         };
         let drift = self.law.noise.drift(rng);
-        Draw { noise, drift, functions, posteriors }
+        Draw { noise, drift, functions, own: None, posteriors }
     }
 
     /// The same with functions of its own.
@@ -276,6 +280,17 @@ impl<'a> Sampler<'a> {
 }
 
 impl Draw<'_> {
+    /// The same of a person with usual postures of their own.
+    #[must_use]
+    pub fn by(self, own: Option<OwnPosture>) -> Self {
+        Self { own, ..self }
+    }
+
+    /// By what the person's usual posture differs at a height of the hand (rest frame, over stature), n, rad.
+    pub(super) fn own_at(&self, height: f64) -> Option<Cow<'_, DVector<f64>>> {
+        Some(self.own.as_ref()?.at(height))
+    }
+
     /// How far the posture has drifted in true time, n, rad.
     pub(super) fn drifted(&self, time_s: f64) -> Option<DVector<f64>> {
         self.drift.as_ref().map(|d| d.at(time_s))

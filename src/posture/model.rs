@@ -4,6 +4,7 @@ use super::attraction::UsualPosture;
 use super::law::PostureLaw;
 use super::lowness::Lowness;
 use super::modes::Modes;
+use super::population::Population;
 use super::standing::StandingPlace;
 use crate::human::{BodySize, Side};
 use nalgebra::{DMatrix, DVector};
@@ -100,6 +101,9 @@ pub struct PostureDistribution {
     /// The same of hands that reach down, where it is another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low: Option<LowPostures>,
+    /// What of that is a person's own; none of a model of one person.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub population: Option<Population>,
 }
 
 /// How postures spread about the usual one where the hand is low.
@@ -115,7 +119,7 @@ pub struct LowPostures {
 impl PostureDistribution {
     /// Of all postures, wherever the hand was.
     pub fn anywhere(mean: DVector<f64>, covariance: DMatrix<f64>) -> Self {
-        Self { mean, covariance, about_usual: None, low: None }
+        Self { mean, covariance, about_usual: None, low: None, population: None }
     }
 
     /// Of the postures with the hand at a place where `usual` is, at a height (rest frame, over stature): the
@@ -131,10 +135,24 @@ impl PostureDistribution {
         };
         let known = usual.trust();
         let between = |here: f64, anywhere: f64| known * here + (1.0 - known) * anywhere;
-        Cow::Owned(Self::anywhere(
-            usual.posture.zip_map(&self.mean, between),
-            about.zip_map(&self.covariance, between),
-        ))
+        Cow::Owned(Self {
+            population: self.population,
+            ..Self::anywhere(
+                usual.posture.zip_map(&self.mean, between),
+                about.zip_map(&self.covariance, between),
+            )
+        })
+    }
+
+    /// What a person has of their own wherever the hand is; none where that is not known.
+    pub(super) fn own(&self, block: (u64, u32), person: usize) -> Option<OwnPosture> {
+        let z = self.population?.person(block, person, self.mean.len());
+        let of = |covariance: &DMatrix<f64>| Some(covariance.clone().cholesky()?.l() * &z);
+        let low = match &self.low {
+            Some(low) => Some((low.lowness, of(&low.about_usual)?)),
+            None => None,
+        };
+        Some(OwnPosture { high: of(self.about_usual.as_ref()?)?, low })
     }
 
     /// Mahalanobis distance of a posture (n, rad) to the training postures.
@@ -150,6 +168,24 @@ impl PostureDistribution {
         let n = self.mean.len() as f64;
         let c = 2.0 / (9.0 * n);
         (n * (1.0 - c + 2.326_347_9 * c.sqrt()).powi(3)).sqrt()
+    }
+}
+
+/// By what the usual postures of a person differ from those of all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnPosture {
+    /// Of hands that are not low, n, rad.
+    high: DVector<f64>,
+    low: Option<(Lowness, DVector<f64>)>,
+}
+
+impl OwnPosture {
+    /// At a height of the hand (rest frame, over stature), n, rad.
+    pub(super) fn at(&self, height: f64) -> Cow<'_, DVector<f64>> {
+        match &self.low {
+            Some((lowness, low)) => Cow::Owned(self.high.lerp(low, lowness.of(height))),
+            None => Cow::Borrowed(&self.high),
+        }
     }
 }
 
@@ -188,6 +224,9 @@ pub struct Provenance {
     /// How many people the movements are of.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub people: usize,
+    /// How long the one worker was recorded to whom the model of several people was adapted, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adapted_s: Option<f64>,
     /// File names of the recordings and the SHA-256 of their bytes.
     pub recordings: Vec<(String, String)>,
     /// Name of the body and the SHA-256 of its files.

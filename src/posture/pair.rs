@@ -111,7 +111,7 @@ impl Pair {
             None => None,
         };
         let covariance = self.covariance(&one.covariance)?;
-        Some(PostureDistribution { mean, covariance, about_usual, low })
+        Some(PostureDistribution { mean, covariance, about_usual, low, population: one.population })
     }
 }
 

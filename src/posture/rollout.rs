@@ -223,7 +223,13 @@ impl State<'_> {
         }
         wish *= h;
         if let (Some(pull), Some(from), Some(to)) = (&self.law.attraction, &a.usual, &b.usual) {
-            pull.add_pull(&mut wish, (from, to), &self.here.q, (b.travel_m - a.travel_m, h));
+            let own = |knot: &Knot| self.draw.and_then(|draw| draw.own_at(knot.height));
+            pull.add_pull(
+                &mut wish,
+                (from, to),
+                (&self.here.q, own(a).as_deref(), own(b).as_deref()),
+                (b.travel_m - a.travel_m, h),
+            );
         }
         wish
     }

@@ -160,6 +160,7 @@ fn simulated(
         provenance: Provenance {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             simulated: true,
+            adapted_s: None,
             people: 1,
             recordings: Vec::new(),
             body: (body.name.clone(), body.sha256()),

@@ -212,16 +212,18 @@ impl<'a> Stepper<'a> {
         StandingDraw { own: Vector2::zeros(), places: vec![Vector2::zeros()] }
     }
 
-    /// What differs in one repetition.
-    pub fn draw(&self, rng: &mut ChaCha8Rng) -> StandingDraw {
+    /// What differs in one repetition, by a person who draws what is their own from another stream; none where
+    /// every repetition is by somebody else.
+    pub fn draw(&self, rng: &mut ChaCha8Rng, person: Option<&mut ChaCha8Rng>) -> StandingDraw {
         let [people, movements] =
             [self.place.of_people, self.place.of_movements].map(|c| root(matrix(c)));
-        let mut normal = || {
+        let normal = |rng: &mut ChaCha8Rng| {
             let z = normals(rng, 2);
             Vector2::new(z[0], z[1])
         };
-        let own = people * normal();
-        StandingDraw { own, places: (0..PLACES).map(|_| movements * normal()).collect() }
+        let alone = normal(rng);
+        let own = people * person.map_or(alone, normal);
+        StandingDraw { own, places: (0..PLACES).map(|_| movements * normal(rng)).collect() }
     }
 
     /// Place (ahead, right) and height of what the robot leads, seen from some feet; over stature.
@@ -446,7 +448,7 @@ mod tests {
         let place = place();
         let stepper = Stepper::new(&place, 1.75, false).unwrap();
         let drawn = match number {
-            Some(r) => stepper.draw(&mut stream(7, Purpose::Posture, 0, r)),
+            Some(r) => stepper.draw(&mut stream(7, Purpose::Posture, 0, r), None),
             None => stepper.surely(),
         };
         (stepper.feet((&path.0, &path.1), Hold::Rigid, &drawn, forced), drawn)
@@ -528,7 +530,7 @@ mod tests {
         let place = place();
         let stepper = Stepper::new(&place, 1.75, false).unwrap();
         let drawn: Vec<StandingDraw> =
-            (0..4000).map(|r| stepper.draw(&mut stream(1, Purpose::Posture, 3, r))).collect();
+            (0..4000).map(|r| stepper.draw(&mut stream(1, Purpose::Posture, 3, r), None)).collect();
         let variance = |of: &dyn Fn(&StandingDraw) -> f64| {
             drawn.iter().map(|d| of(d).powi(2)).sum::<f64>() / drawn.len() as f64
         };

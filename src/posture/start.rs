@@ -75,17 +75,17 @@ pub fn start_postures(
     people: Range<usize>,
 ) -> Vec<Start> {
     let hand = hand.into();
-    people.map(|r| start_posture(coupling, postures, rule, &hand, (block, r))).collect()
+    people.map(|r| start_posture(coupling, postures, rule, &hand, (block, r, r))).collect()
 }
 
-/// Start posture r of a (seed, block). It depends on these and on the start pose only, so every path from the
+/// Start posture of repetition r, by a person, of a (seed, block). It depends on these and on the start pose only, so every path from the
 /// same start meets the same people.
 pub(super) fn start_posture(
     coupling: &Coupling,
     postures: &PostureDistribution,
     rule: &StartRule,
     hand: &Grips,
-    ((seed, block), r): ((u64, u32), usize),
+    ((seed, block), r, person): ((u64, u32), usize, usize),
 ) -> Start {
     let factor = || postures.covariance.clone().cholesky();
     let wish = match rule {
@@ -93,8 +93,14 @@ pub(super) fn start_posture(
         StartRule::Sampled => factor().map_or_else(
             || postures.mean.clone(),
             |f| {
+                let n = postures.mean.len();
                 let mut rng = stream(seed, Purpose::Posture, block, r as u32);
-                &postures.mean + f.l() * DVector::from_vec(normals(&mut rng, postures.mean.len()))
+                let mut z = DVector::from_vec(normals(&mut rng, n));
+                if let Some(population) = &postures.population {
+                    z *= population.of_repetition();
+                    z += population.person((seed, block), person, n);
+                }
+                &postures.mean + f.l() * z
             },
         ),
         StartRule::Mean => postures.mean.clone(),

@@ -8,7 +8,7 @@ use super::ReportError;
 use super::comparison_figure::cells;
 use super::comparison_page::page;
 use super::comparison_table::table;
-use crate::ergonomics::{PairedDifference, paired_difference, unpaired_difference};
+use crate::ergonomics::{PairedDifference, by_person, paired_difference, unpaired_difference};
 use crate::path::Family;
 use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult};
 use crate::words;
@@ -272,8 +272,7 @@ fn paths(result: &RunResult, best: &CandidateResult, body: &str) -> Vec<Compared
             cvar90_rula: b.rula().distribution.cvar90,
             expected_reba: b.reba().distribution.expected,
             reach_exceeded: b.reach_exceeded,
-            best_minus_this: pairs
-                .map(|l| paired_difference(&l.rula().by_rollout, &b.rula().by_rollout)),
+            best_minus_this: pairs.map(|l| l.rula().less(b.rula(), |s| &s.by_rollout)),
         })
     })
     .collect()
@@ -289,12 +288,12 @@ fn difference(
     let worst = || super::view::worst_body(theirs);
     let other_body = theirs.bodies.iter().find(|b| b.body == own.body).or_else(worst)?;
     let because = not_the_same_repetitions((result, &own.body), (other, &other_body.body));
-    let (a, b) = (&own.rula().by_rollout, &other_body.rula().by_rollout);
+    let [a, b] = [own, other_body].map(|s| by_person(&s.rula().by_rollout, s.rula().persons()));
     let (mean, low95, high95, clear, repetitions) = if because.is_none() {
-        let d = paired_difference(a, b);
+        let d = paired_difference(&a, &b);
         (d.mean, d.low95, d.high95, d.clear, [d.n, d.n])
     } else {
-        let d = unpaired_difference(a, b);
+        let d = unpaired_difference(&a, &b);
         (d.mean, d.low95, d.high95, d.clear, d.n)
     };
     Some(RunDifference {

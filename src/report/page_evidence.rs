@@ -213,10 +213,8 @@ fn thresholds(view: &View) -> Markup {
 
 fn trust(b: &BodyScores) -> Markup {
     html! {
-        @if let Some(strain) = &b.strain {
-            dl.pairs {
-                @for (name, sentence) in words::strain::lines(strain) { dt { (name) } dd { (sentence) } }
-            }
+        dl.pairs {
+            @for (name, sentence) in words::strain::lines(b) { dt { (name) } dd { (sentence) } }
         }
         dl.pairs {
             dt { "Repetitions" } dd { (b.rollouts) ", each along the whole path" }

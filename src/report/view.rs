@@ -27,7 +27,8 @@ pub(super) struct View<'a> {
 impl<'a> View<'a> {
     /// Whether repetitions differ as several people do.
     pub(super) fn shows_people(&self) -> bool {
-        matches!(self.result.verdict.caveat, Some(Caveat::RecordedPeople { .. }))
+        let caveat = self.result.verdict.caveat;
+        matches!(caveat, Some(Caveat::RecordedPeople { .. } | Caveat::Adapted { .. }))
     }
 
     /// Whether the lead is followed in more than one way of reaching down.

@@ -93,6 +93,18 @@ impl Trial {
         }
     }
 
+    /// The rows in a range, as a trial of their own.
+    #[must_use]
+    pub(super) fn rows(&self, range: std::ops::Range<usize>) -> Self {
+        Self {
+            source: self.source.clone(),
+            rate_hz: self.rate_hz,
+            q: self.q[range.clone()].to_vec(),
+            qdot: self.qdot[range.clone()].to_vec(),
+            stepping: self.stepping.get(range).map_or_else(Vec::new, <[_]>::to_vec),
+        }
+    }
+
     /// Takes the coordinates of the pelvis away.
     pub(super) fn leave_pelvis(&mut self) {
         for row in self.q.iter_mut().chain(&mut self.qdot) {

@@ -256,9 +256,9 @@ fn left_out_energies(
         let Some(found) = find(&train) else { return Ok(None) };
         let (one, postures) = learn_part(&train, law, repetitions, settings)?;
         let modes = found.learn(&train, law, repetitions, settings)?;
-        let one = Modelled::of((&one, &postures), None).ok_or_else(singular)?;
+        let one = Modelled::of((&one, &postures), None).ok_or_else(singular)?.strangers();
         let told = Modelled::of((&modes.all[0].law, &modes.all[0].postures), Some(&modes));
-        let told = told.ok_or_else(singular)?;
+        let told = told.ok_or_else(singular)?.strangers();
         let test = dataset.select(&fold.test);
         let of = |run: &Vec<&Frame>| -> [f64; 2] {
             let seen: Vec<Features> =

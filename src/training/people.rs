@@ -6,6 +6,7 @@ mod centres;
 mod curves;
 mod file;
 mod left_out;
+mod own_seconds;
 mod predictors;
 mod risk;
 mod seen;
@@ -18,6 +19,7 @@ pub use file::{PEOPLE_SCHEMA, PeopleFile, read_people_file};
 pub use left_out::{
     LeftOut, MovementScore, PersonScore, PredictorScore, REPETITIONS, validate, validate_model,
 };
+pub use own_seconds::{AdaptedScore, OwnError};
 pub use predictors::Predictor;
 pub use risk::{Agreement, PartKnown, RiskScore, SheetMean, agreement};
 pub use seen::Seen;
@@ -30,9 +32,10 @@ pub use super::standing::StandingScore;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;
-use crate::recording::{Recording, read_with};
+use crate::recording::{Map, Recording, read_with};
 use rayon::prelude::*;
 use seen::{from_upright, recorded};
+use std::path::PathBuf;
 
 /// Fewest and most stature (m) that a recorded arm may ask for; beyond, the nearest is taken.
 const STATURES_M: (f64, f64) = (1.3, 2.15);
@@ -69,6 +72,31 @@ pub struct Movement {
 /// Where a recording cannot be read or fitted, or does not hold both legs.
 pub fn read_people(file: &PeopleFile) -> Result<Vec<Person>, InputError> {
     file.people.iter().map(read_one).collect()
+}
+
+/// Reads and fits the recordings of one worker; without a body, one with arms as long as the recorded ones.
+///
+/// # Errors
+/// Where a recording cannot be read or fitted, or does not hold both legs.
+pub fn read_worker(
+    recordings: &[PathBuf],
+    side: Side,
+    body: Option<Body>,
+    map: Option<Map>,
+) -> Result<Person, InputError> {
+    let recordings = recordings.to_vec();
+    read_one(&file::Entry { name: "the worker".to_owned(), recordings, body, side, map })
+}
+
+impl Person {
+    /// The movements in a body in which they meet those of others.
+    ///
+    /// # Errors
+    /// Where there is too little, or nothing moves.
+    pub fn dataset(&self, body: &Body) -> Result<Dataset, InputError> {
+        let trials: Vec<Trial> = self.movements.iter().map(|m| m.trial.clone()).collect();
+        Dataset::new(&trials, body, self.side)
+    }
 }
 
 fn read_one(entry: &file::Entry) -> Result<Person, InputError> {

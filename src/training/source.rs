@@ -245,6 +245,7 @@ pub fn provenance(sources: &[Source], whom: &Whom) -> Provenance {
     Provenance {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         simulated: sources.iter().any(|s| s.simulated),
+        adapted_s: None,
         people: 1,
         recordings: sources.iter().map(|s| (s.name.clone(), s.sha256.clone())).collect(),
         body: (whom.body.name.clone(), whom.body.sha256()),

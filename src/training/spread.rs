@@ -15,7 +15,10 @@ use super::settings::{PullRule, TrainSettings};
 use super::way::rounded;
 use crate::files::InputError;
 use crate::math::Pose;
-use crate::posture::{Attraction, LowPostures, Method, Origin, PostureDistribution, Pull};
+use crate::math::Vec3;
+use crate::posture::{
+    Attraction, LowPostures, Method, Origin, Population, PostureDistribution, Pull,
+};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
@@ -26,6 +29,9 @@ const POSTURE_DIGITS: i32 = 6;
 /// Share of the diagonal in the posture covariance, and its floor, rad.
 const POSTURE_SHRINKAGE: f64 = 0.1;
 const POSTURE_FLOOR_RAD: f64 = std::f64::consts::PI / 180.0;
+
+/// Most that can be a person's own: repetitions of nobody are alike.
+const MOST_OWN: f64 = 0.95;
 
 /// What is left of a frame's joint velocity.
 #[derive(Debug, Clone)]
@@ -161,15 +167,29 @@ struct Departure {
     /// How low the hand is.
     low: f64,
     off: DVector<f64>,
+    /// Which movement it is of, and where the hand is, over stature.
+    movement: usize,
+    place: Vec3,
 }
 
-/// Shrunk covariance about the usual posture at the hand's place, learned without the frame's trial: each
-/// frame counts as far as the usual posture is known there. Where hands are low it is another if that makes
-/// what was left out likelier. None without a pull or without other trials.
+/// Postures with their shrunk covariance about the usual one at the hand's place, learned without the frame's
+/// trial (of several people, without the person): each frame counts as far as the usual posture is known there.
+/// Where hands are low it is another if that makes what was left out likelier. As they are without a pull or
+/// without other trials.
 pub(super) fn learn_about_usual(
     dataset: &Dataset,
     settings: &TrainSettings,
-) -> Option<(DMatrix<f64>, Option<LowPostures>)> {
+    postures: PostureDistribution,
+) -> PostureDistribution {
+    let spread = about_usual(dataset, settings).map(|(about_usual, low, population)| {
+        PostureDistribution { about_usual: Some(about_usual), low, population, ..postures.clone() }
+    });
+    spread.unwrap_or(postures)
+}
+
+type Spread = (DMatrix<f64>, Option<LowPostures>, Option<Population>);
+
+fn about_usual(dataset: &Dataset, settings: &TrainSettings) -> Option<Spread> {
     let stature_m = dataset.coupling.stature_m();
     let lowness = dataset.lowness();
     let mut folds: Vec<Vec<Departure>> = Vec::new();
@@ -180,19 +200,62 @@ pub(super) fn learn_about_usual(
         let usual = attraction.usual_postures(&hands, stature_m);
         let departures = test.into_iter().zip(usual).map(|(frame, usual)| {
             let low = lowness.map_or(0.0, |l| l.of(frame.hand.translation.y / stature_m));
-            Departure { known: usual.trust(), low, off: &frame.q - usual.posture }
+            Departure {
+                known: usual.trust(),
+                low,
+                off: &frame.q - usual.posture,
+                movement: frame.trial,
+                place: frame.hand.translation.vector / stature_m,
+            }
         });
         folds.push(departures.collect());
     }
     let all: Vec<&Departure> = folds.iter().flatten().collect();
     let whole = spread_of(&all, |_| 1.0)?;
     let low = lowness.filter(|_| is_likelier_by_height(&folds));
-    match low.and_then(|lowness| Some((lowness, by_height(&all)?))) {
-        Some((lowness, [high, about_usual])) => {
-            Some((high, Some(LowPostures { lowness, about_usual })))
+    let (covariance, low) = match low.and_then(|lowness| Some((lowness, by_height(&all)?))) {
+        Some((lowness, [high, about_usual])) => (high, Some(LowPostures { lowness, about_usual })),
+        None => (whole, None),
+    };
+    let population = if dataset.is_of_people() && folds.len() > 1 {
+        let below = low.as_ref().map(|low| &low.about_usual);
+        let own_share = own_share(&folds, (&covariance, below), settings.place_length)?;
+        Some(Population { own_share, people: folds.len() })
+    } else {
+        None
+    };
+    Some((covariance, low, population))
+}
+
+/// Share of the variance about the usual posture that other movements of the same person have in common, at
+/// places of the hand that are near each other; each fold is one person.
+fn own_share(
+    folds: &[Vec<Departure>],
+    (high, low): (&DMatrix<f64>, Option<&DMatrix<f64>>),
+    near: f64,
+) -> Option<f64> {
+    let white = |d: &Departure| {
+        let covariance = low.map_or_else(|| high.clone(), |low| high * (1.0 - d.low) + low * d.low);
+        covariance.cholesky()?.l().solve_lower_triangular(&d.off)
+    };
+    let (mut common, mut pairs) = (0.0, 0.0);
+    let (mut square, mut known) = (0.0, 0.0);
+    for person in folds {
+        let off: Vec<DVector<f64>> = person.iter().map(white).collect::<Option<_>>()?;
+        for (i, a) in person.iter().enumerate() {
+            square += a.known * off[i].norm_squared();
+            known += a.known;
+            for (j, b) in person[..i].iter().enumerate().filter(|(_, b)| b.movement != a.movement) {
+                let weight = a.known
+                    * b.known
+                    * (-0.5 * (a.place - b.place).norm_squared() / (near * near)).exp();
+                common += weight * off[i].dot(&off[j]);
+                pairs += weight;
+            }
         }
-        None => Some((whole, None)),
     }
+    let share = (common / pairs) / (square / known);
+    Some(if share.is_finite() { share.clamp(0.0, MOST_OWN) } else { 0.0 })
 }
 
 /// Shrunk weighted second moment; none where nothing is known.
@@ -258,7 +321,8 @@ mod tests {
                 let low = f64::from(u8::from(i.is_multiple_of(2)));
                 let sd = 0.1 + (sd_low - 0.1) * low;
                 let off = DVector::from_vec(crate::math::stream::normals(rng, 3)) * sd;
-                Departure { known: 1.0, low, off }
+                let (movement, place) = (i / 20, Vec3::zeros());
+                Departure { known: 1.0, low, off, movement, place }
             };
             let fold = |f: u64| {
                 let mut rng = stream(f, Purpose::Simulation, 3, 0);

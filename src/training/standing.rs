@@ -62,6 +62,25 @@ pub(super) fn judge_standing(place: &StandingPlace, own: &Dataset) -> StandingSc
     StandingScore { rms_m: [rms(0), rms(1)], inside_90: inside / count }
 }
 
+/// The standing place of one worker whose movements were seen: the posterior of what is the worker's own.
+pub(super) fn adapt_standing(place: &StandingPlace, own: &Dataset) -> StandingPlace {
+    let ends = far_ends(own);
+    let offs = ends.iter().map(|e| place.off(e.place, e.height).0);
+    let count = ends.len().max(1) as f64;
+    let [people, movements] = [place.of_people, place.of_movements]
+        .map(|rows| Matrix2::new(rows[0][0], rows[0][1], rows[1][0], rows[1][1]));
+    let Some(inverse) = (people + movements / count).try_inverse() else { return place.clone() };
+    let gain = people * inverse;
+    let shift = gain * offs.sum::<Vector2<f64>>() / count;
+    let left = not_negative(people - gain * people);
+    let short = |v: f64| rounded(v, DIGITS);
+    StandingPlace {
+        at: [place.at[0] + shift.x, place.at[1] + shift.y].map(short),
+        of_people: [[left.m11, left.m12], [left.m12, left.m22]].map(|r| r.map(short)),
+        ..place.clone()
+    }
+}
+
 fn far_ends(dataset: &Dataset) -> Vec<FarEnd> {
     let stature_m = dataset.coupling.stature_m();
     let zero = DVector::zeros(dataset.coupling.dof());

@@ -6,13 +6,16 @@ use super::rollout_check::LearnedRepetitions;
 use super::settings::TrainSettings;
 use super::spread::{learn_about_usual, learn_attraction, learn_postures};
 use crate::posture::{
-    Clock, Drift, LowNoise, LowPostures, Lowness, Noise, PostureDistribution, PostureLaw,
+    Clock, Drift, LowNoise, LowPostures, Lowness, Noise, Population, PostureDistribution,
+    PostureLaw,
 };
 use nalgebra::DMatrix;
 
 /// Significant digits kept of learned numbers. Fewer than computed, so that the file does not depend on the
 /// rounding of one processor.
 const DIGITS: i32 = 9;
+/// The same of what a person has of their own, which few people tell.
+const POPULATION_DIGITS: i32 = 4;
 
 /// A learned law with its pull and noise, and the postures from which its movements start.
 pub(super) fn learn_way(
@@ -23,11 +26,10 @@ pub(super) fn learn_way(
 ) -> (PostureLaw, PostureDistribution) {
     let all: Vec<&Frame> = dataset.frames.iter().collect();
     let noise = &repetitions.noise;
-    let postures = learn_postures(&all);
     // A whole person's postures are too many to be taken together: who bends for the floor does not at a bench.
     let by_place = dataset.measurer.is_some() && repetitions.is_pulled;
-    let about = if by_place { learn_about_usual(dataset, settings) } else { None };
-    let (about_usual, low) = about.unzip();
+    let postures = learn_postures(&all);
+    let postures = if by_place { learn_about_usual(dataset, settings, postures) } else { postures };
     let short = |m: DMatrix<f64>| symmetric(&rounded_matrix(&m));
     let attraction =
         if repetitions.is_pulled { learn_attraction(dataset, &all, settings) } else { None };
@@ -51,11 +53,14 @@ pub(super) fn learn_way(
     let postures = PostureDistribution {
         mean: postures.mean.map(|v| rounded(v, DIGITS)),
         covariance: short(postures.covariance),
-        about_usual: about_usual.map(short),
-        low: low.flatten().map(|low| LowPostures {
+        about_usual: postures.about_usual.map(short),
+        low: postures.low.map(|low| LowPostures {
             lowness: rounded_lowness(low.lowness),
             about_usual: short(low.about_usual),
         }),
+        population: postures
+            .population
+            .map(|own| Population { own_share: rounded(own.own_share, POPULATION_DIGITS), ..own }),
     };
     (law, postures)
 }

@@ -145,6 +145,7 @@ mod tests {
         let provenance = Provenance {
             program_version: String::new(),
             simulated: true,
+            adapted_s: None,
             people: 1,
             recordings: Vec::new(),
             body: (String::new(), String::new()),

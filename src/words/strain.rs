@@ -1,7 +1,10 @@
 //! What the whole body does along a path, in words.
 
 use super::number::percent;
-use crate::planner::{BodyStrain, ModeShare, Spread, StepsTaken};
+use crate::ergonomics::{PeopleSpread, PerMethod, ScoringMethod};
+use crate::planner::{
+    BodyScores, BodyStrain, MethodScores, ModeShare, Moved, Spread, StepsTaken, WorstOff,
+};
 
 fn band(s: &Spread, digits: usize, unit: &str) -> String {
     format!("{:.digits$} {unit} (90 % band {:.digits$} to {:.digits$})", s.median, s.p05, s.p95)
@@ -55,8 +58,57 @@ fn steps(s: &StepsTaken) -> String {
     )
 }
 
-/// Name and sentence of each figure.
-pub fn lines(s: &BodyStrain) -> Vec<(&'static str, String)> {
+/// How people differ, by the scores of all methods; none where nobody repeats.
+fn people(scores: &PerMethod<MethodScores>) -> Option<String> {
+    let of = |m: ScoringMethod| {
+        let PeopleSpread { between_sd, within_sd, .. } = scores[m].people.as_ref()?;
+        Some(format!("{} {between_sd:.2} and {within_sd:.2}", m.name()))
+    };
+    let spreads: Vec<String> = ScoringMethod::ALL.into_iter().filter_map(of).collect();
+    let rula = &scores[ScoringMethod::Rula];
+    let PeopleSpread { persons, at_high, .. } = rula.people.as_ref()?;
+    let each = rula.by_rollout.len() as f64 / *persons as f64;
+    Some(format!(
+        "{persons} people are drawn who move as recorded people do, with {each:.0} repetitions each. Standard deviation of \
+         people's own means, and of the repetitions of one person: {}. {:.0} of {persons} people are at RULA action level 3 or \
+         above for half a second or more in at least half of their repetitions",
+        spreads.join("; "),
+        at_high * *persons as f64,
+    ))
+}
+
+/// Who is worst off, and how this person moves.
+fn worst_off(w: &WorstOff) -> String {
+    let departs = |(moved, by): &(Moved, f64)| {
+        let more = if *by > 0.0 { "more" } else { "less" };
+        let what = match moved {
+            Moved::Trunk => "bends the trunk",
+            Moved::UpperArm => "raises the upper arm",
+            Moved::Elbow => "bends the elbow",
+            Moved::Neck => "bends the neck",
+            Moved::Knees => "bends the knees",
+        };
+        format!("{what} {:.0} deg {more}", by.abs())
+    };
+    let how = match &w.departs[..] {
+        [] => "moves much as the others do".to_owned(),
+        all => {
+            let all: Vec<String> = all.iter().map(departs).collect();
+            format!("{} than people do on average", all.join(", "))
+        }
+    };
+    format!("person {} of them, with a mean RULA of {:.2}: {how}", w.person, w.score)
+}
+
+/// Name and sentence of each figure of a body.
+pub fn lines(b: &BodyScores) -> Vec<(&'static str, String)> {
+    let people = people(&b.scores).map(|sentence| ("people", sentence));
+    let worst = b.worst_off.as_ref().map(|w| ("worst off", worst_off(w)));
+    let strain = b.strain.as_ref().map_or_else(Vec::new, of_strain);
+    people.into_iter().chain(worst).chain(strain).collect()
+}
+
+fn of_strain(s: &BodyStrain) -> Vec<(&'static str, String)> {
     let mut all = vec![("trunk", format!("bends to {}", band(&s.trunk_flexion_deg, 0, "deg")))];
     if let (Some(knees), Some(bent)) = (&s.knee_flexion_deg, s.bent_knees_share) {
         let sentence = format!(

@@ -179,6 +179,10 @@ pub fn caveat(c: Caveat) -> Cow<'static, str> {
         Caveat::RecordedPeople { count } => {
             format!("{count} recorded people, not your workers").into()
         }
+        Caveat::Adapted { count, seconds } => format!(
+            "{count} recorded people and {seconds:.1} s of one worker, not your other workers"
+        )
+        .into(),
         Caveat::OtherBody => "learned from one person of another size, not your workers".into(),
     }
 }

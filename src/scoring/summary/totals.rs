@@ -77,7 +77,7 @@ pub(super) fn over_rollouts(scored: &ScoredSide) -> Option<OverRollouts> {
     let dt = scored.tracks.iter().map(|t| t.observed_s).sum::<f64>() / frames.max(1) as f64;
     let figures = |of: fn(&Frame) -> u8, level: fn(u8) -> u8, worst| -> Option<RolloutFigures> {
         let scores = rollout_scores(scored, worst, of);
-        let distribution = score_distribution(&scores, dt, worst, P_AT_LEAST_S)?;
+        let distribution = score_distribution(&scores, dt, worst, P_AT_LEAST_S, None)?;
         let levels = level_starts(level, worst).into_iter().map(|(number, from)| {
             let k = usize::from(from);
             (number, from, distribution.exposure[k], distribution.p_at_least[k])

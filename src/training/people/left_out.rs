@@ -17,13 +17,14 @@ use super::super::strangers::Strangers;
 use super::bands::{Bands, in_units};
 use super::centres::{CENTRES, Centres};
 use super::curves::{Curve, Curves};
+use super::own_seconds::{AdaptedScore, adapted_score};
 use super::predictors::{Predictor, Taught};
 use super::risk::{Assessor, Repeated, RiskScore, SheetMean};
 use super::seen::Seen;
 use super::{FEATURES, Features, Movement, Person, refuse_unlike};
 use crate::ergonomics::{PerMethod, ScoringMethod, Worksheet};
 use crate::files::InputError;
-use crate::human::{Body, Pelvis};
+use crate::human::{Body, Pelvis, Side};
 use crate::posture::{Modelled, Modes, PostureModel, low_place};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -92,6 +93,8 @@ pub struct PersonScore {
 pub struct LeftOut {
     /// In the order of the file.
     pub people: Vec<PersonScore>,
+    /// What some seconds of each person's own bring; empty where that was not asked for.
+    pub adapted: Vec<AdaptedScore>,
 }
 
 /// Leaves out each person in turn. `told` hears how many are done and of how many; it answers whether to go
@@ -104,6 +107,7 @@ pub fn validate(
     people: &[Person],
     common: &Body,
     settings: &TrainSettings,
+    own_s: Option<f64>,
     told: &mut dyn FnMut(usize, usize) -> bool,
 ) -> Result<Option<LeftOut>, InputError> {
     if people.len() < 2 {
@@ -111,18 +115,24 @@ pub fn validate(
             .remedy("somebody must be left out, and somebody else must teach"));
     }
     refuse_unlike(people)?;
-    one_by_one(people, told, |i, person| {
+    let mut adapted = Vec::new();
+    let found = one_by_one(people, told, |i, person| {
         let others: Vec<&Person> =
             people.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, p)| p).collect();
-        left_out(person, &others, common, settings)
-    })
+        let dataset = of_others(&others, common, person.side)?;
+        if let Some(own_s) = own_s {
+            adapted.push(adapted_score(person, &dataset, (common, own_s), settings)?);
+        }
+        judged(person, &Taught::by(&dataset, settings)?, settings)
+    })?;
+    Ok(found.map(|found| LeftOut { adapted, ..found }))
 }
 
 /// The score of each person in turn; none where `told` answers not to go on.
 fn one_by_one(
     people: &[Person],
     told: &mut dyn FnMut(usize, usize) -> bool,
-    score: impl Fn(usize, &Person) -> Result<PersonScore, InputError>,
+    mut score: impl FnMut(usize, &Person) -> Result<PersonScore, InputError>,
 ) -> Result<Option<LeftOut>, InputError> {
     let mut scores = Vec::new();
     for (i, person) in people.iter().enumerate() {
@@ -131,7 +141,7 @@ fn one_by_one(
         }
         scores.push(score(i, person)?);
     }
-    Ok(Some(LeftOut { people: scores }))
+    Ok(Some(LeftOut { people: scores, adapted: Vec::new() }))
 }
 
 /// Judges a saved model on people, as [`validate`] does on those whom it leaves out.
@@ -156,16 +166,10 @@ pub fn validate_model(
     one_by_one(people, told, |_, person| judged(person, &taught, settings))
 }
 
-fn left_out(
-    person: &Person,
-    others: &[&Person],
-    common: &Body,
-    settings: &TrainSettings,
-) -> Result<PersonScore, InputError> {
+fn of_others(others: &[&Person], common: &Body, side: Side) -> Result<Dataset, InputError> {
     let groups: Vec<Vec<_>> =
         others.iter().map(|p| p.movements.iter().map(|m| m.trial.clone()).collect()).collect();
-    let dataset = Dataset::of_people(&groups, common, person.side)?;
-    judged(person, &Taught::by(&dataset, settings)?, settings)
+    Dataset::of_people(&groups, common, side)
 }
 
 /// What tells of a person's postures.
@@ -179,7 +183,7 @@ struct Judge<'a> {
 }
 
 /// How well a person's movements are predicted.
-fn judged(
+pub(super) fn judged(
     person: &Person,
     taught: &Taught,
     settings: &TrainSettings,
@@ -284,7 +288,7 @@ impl Judge<'_> {
     }
 
     fn strangers(&self, modes: Option<&Modes>, run: &[&Frame]) -> Option<Strangers> {
-        let people = Modelled::of((&self.taught.full, &self.taught.postures), modes)?;
+        let people = Modelled::of((&self.taught.full, &self.taught.postures), modes)?.strangers();
         Some(Strangers::along(&people, &self.own, run, (self.seed, REPETITIONS)))
     }
 
@@ -332,7 +336,6 @@ impl Judge<'_> {
 mod tests {
     use super::super::summary::Known;
     use super::*;
-    use crate::human::Side;
     use crate::math::stats::mean;
     use crate::training::SimulatedMovements;
     use crate::training::dataset::Trial;
@@ -382,7 +385,7 @@ mod tests {
             heard.push((done, total));
             true
         };
-        let found = validate(&people, &body, &settings, &mut told).unwrap().unwrap();
+        let found = validate(&people, &body, &settings, None, &mut told).unwrap().unwrap();
         assert_eq!(heard, [(0, 4), (1, 4), (2, 4), (3, 4)]);
         let movements: Vec<&MovementScore> =
             found.people.iter().flat_map(|p| &p.movements).collect();
@@ -423,11 +426,11 @@ mod tests {
         // What was measured was the body itself, but for the filter's hair at the ends.
         assert!(movements.iter().flat_map(|m| m.fit_rms).all(|f| f < 1e-9));
         let mut stop = |_: usize, _: usize| false;
-        assert!(validate(&people, &body, &settings, &mut stop).unwrap().is_none());
-        assert!(validate(&people[..1], &body, &settings, &mut stop).is_err());
+        assert!(validate(&people, &body, &settings, None, &mut stop).unwrap().is_none());
+        assert!(validate(&people[..1], &body, &settings, None, &mut stop).is_err());
         let mut unlike = people;
         unlike[2].side = Side::Left;
-        let error = validate(&unlike, &body, &settings, &mut stop).unwrap_err();
+        let error = validate(&unlike, &body, &settings, None, &mut stop).unwrap_err();
         assert!(error.message().contains("left hand"), "{error}");
     }
 }

@@ -97,9 +97,7 @@ impl<'a> Taught<'a> {
         let [diagonal, plain] = [of(&laws[1], true), of(&laws[2], false)].map(clocked);
         let diagonal = Some(diagonal);
         let hands = HandFeatures::fit(&all.iter().map(|f| f.hand).collect::<Vec<_>>(), stature_m);
-        let (about_usual, low) = learn_about_usual(dataset, settings).unzip();
-        let postures =
-            PostureDistribution { about_usual, low: low.flatten(), ..learn_postures(&all) };
+        let postures = learn_about_usual(dataset, settings, learn_postures(&all));
         let teachers = Some((dataset, hands));
         let standing = learn_standing(dataset);
         Ok(Self { full, diagonal, plain, usual, postures, modes, standing, teachers })

@@ -179,7 +179,7 @@ impl Assessor {
     /// Fills in the sheets of repetitions; `block`: whose heads.
     pub(super) fn repeated(&self, walks: &[Rollout], block: (u64, u32)) -> Repeated {
         let one = |(r, walk): (usize, &Rollout)| {
-            let head = self.head.of_repetition(block, r);
+            let head = self.head.of_repetition(block, r, None);
             let end = walk.reach_exceeded_at.unwrap_or(usize::MAX);
             let sheet = |(k, q)| (k < end).then(|| self.predicted(q, &head));
             walk.q.iter().enumerate().map(sheet).collect()
