@@ -1,11 +1,13 @@
-//! A map: which markers of a file, or points of a table, make the segments of a person.
+//! A map: which markers of a file, or points or columns of a table, make the segments of a person.
 //!
 //! ```text
 //! C3D, TRC, table ─► places of points over time ─ gaps filled, runs ─ joints and directions ─► Recording
+//! OpenSim, table ─► columns over time ─ poses, or turns of one segment in another (on a body) ─► Recording
 //! ```
-//! A segment is placed by its proximal joint centre, and turned by two directions: one that is kept as it
-//! is, and one that only says how the segment is turned about the first.
+//! Of markers a segment is placed by its proximal joint centre, and turned by two directions: one that is kept
+//! as it is, and one that only says how the segment is turned about the first.
 
+mod columns;
 mod file;
 mod fill;
 mod parts;
@@ -13,11 +15,14 @@ mod remarks;
 mod runs;
 #[cfg(test)]
 mod tests;
+mod vertical;
 
-pub(super) use file::TableMap;
+pub(super) use columns::{BODY, ByColumns, ColumnPart};
 pub use file::{MAP_SCHEMA, Map, read_map};
+pub(super) use file::{PERSON, TableMap};
 pub use runs::Run;
 pub(super) use runs::{Origin, runs};
+pub(super) use vertical::vertical;
 
 /// Axes of a segment by what a map calls them: x, y and z.
 const AXES: [&str; 3] = ["ahead", "up", "right"];

@@ -30,7 +30,7 @@ pub use super::standing::StandingScore;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;
-use crate::recording::{Recording, read_with};
+use crate::recording::{Reading, Recording, read_with};
 use rayon::prelude::*;
 use seen::{from_upright, recorded};
 
@@ -73,8 +73,9 @@ pub fn read_people(file: &PeopleFile) -> Result<Vec<Person>, InputError> {
 
 fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
     let map = entry.map.as_ref();
+    let how = Reading { person: None, map, body: entry.body.as_ref() };
     let recordings: Result<Vec<Recording>, InputError> =
-        entry.recordings.par_iter().map(|path| read_with(path, None, map)).collect();
+        entry.recordings.par_iter().map(|path| read_with(path, &how)).collect();
     let recordings = recordings?;
     let body = match &entry.body {
         Some(body) => body.clone(),
