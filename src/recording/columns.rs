@@ -121,7 +121,8 @@ pub(super) fn record(
         segment_lengths_m: Vec::new(),
         remarks: tables.remarks.clone(),
     };
-    recording.segment_lengths_m = lengths(&recording);
+    let is_placed = |name: &str| found.iter().any(|f| f.part.name == name && f.place.is_some());
+    recording.segment_lengths_m = lengths(&recording, is_placed);
     let told = [
         unknown(&found),
         lost_ones(&found, &lost),
@@ -154,7 +155,7 @@ fn find<'a>(
         let place = part.place.as_ref().map(|names| names.each_ref().map(|name| at(name)));
         let rotation: Vec<Option<usize>> = part.rotation.columns().map(at).collect();
         let missing = part.columns().find(|name| at(name).is_none());
-        let is_whole = matches!(part.rotation, ByColumns::Turns(_)) && part.optional;
+        let may_lack_some = matches!(part.rotation, ByColumns::Turns(_)) && part.optional;
         let is_empty = rotation.iter().all(Option::is_none) && !part.straight;
         if let Some(name) = missing.filter(|_| !part.optional) {
             let known = || from.table.columns.iter().map(String::as_str);
@@ -172,7 +173,7 @@ fn find<'a>(
                 .remedy("map the Pelvis too, or give the columns of its place"));
         }
         let hangs_on_lost = hangs_on.is_some_and(|name| lost.iter().any(|l| l.name == name));
-        if (missing.is_some() && (!is_whole || is_empty)) || hangs_on_lost {
+        if (missing.is_some() && (!may_lack_some || is_empty)) || hangs_on_lost {
             lost.push(part);
         } else {
             found.push(Found { part, from, place, rotation });
@@ -337,8 +338,12 @@ fn offset(recording: &Recording, from: &str, to: &str) -> Option<Vec3> {
     Some(Vec3::new(middle(0), middle(1), middle(2)))
 }
 
-/// Lengths along the chain from each segment to the next that is there, across the shoulders and the hips.
-fn lengths(recording: &Recording) -> Vec<(String, f64)> {
+/// Lengths along the chain from each segment to the next that is there, across the shoulders and the hips, of
+/// segments that were placed: others have those of the body.
+fn lengths(recording: &Recording, is_placed: impl Fn(&str) -> bool) -> Vec<(String, f64)> {
+    let offset = |from: &str, to: &str| {
+        (is_placed(from) && is_placed(to)).then(|| offset(recording, from, to)).flatten()
+    };
     let next = |name: &str| NEXT.iter().find(|(from, _)| *from == name).map(|(_, to)| *to);
     let mut lengths = Vec::new();
     for track in &recording.segments {
@@ -346,17 +351,16 @@ fn lengths(recording: &Recording) -> Vec<(String, f64)> {
         while let Some(name) = to.filter(|name| recording.segment(name).is_none()) {
             to = next(name);
         }
-        let length = to.and_then(|to| offset(recording, &track.name, to));
+        let length = to.and_then(|to| offset(&track.name, to));
         lengths.extend(length.map(|v| (track.name.clone(), v.norm())));
     }
     // Collar bones are parallel to the trunk in the zero pose, so that offsets add up.
     let shoulder = |side: &str| {
         let [collar, arm] = ["Shoulder", "UpperArm"].map(|part| format!("{side}{part}"));
-        let on_collar =
-            || Some(offset(recording, "T8", &collar)? + offset(recording, &collar, &arm)?);
-        on_collar().or_else(|| offset(recording, "T8", &arm))
+        let on_collar = || Some(offset("T8", &collar)? + offset(&collar, &arm)?);
+        on_collar().or_else(|| offset("T8", &arm))
     };
-    let hip = |side: &str| offset(recording, "Pelvis", &format!("{side}UpperLeg"));
+    let hip = |side: &str| offset("Pelvis", &format!("{side}UpperLeg"));
     for (name, right, left) in [
         ("ShoulderToShoulder", shoulder("Right"), shoulder("Left")),
         ("HipToHip", hip("Right"), hip("Left")),

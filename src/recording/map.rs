@@ -70,6 +70,8 @@ struct Part {
     offset_m: crate::math::Vec3,
     /// The segment whose axes the offset is told in; none: its own.
     offset_in: Option<String>,
+    /// A direction along which the joint centre lies besides, and how far, m.
+    offset_along: Option<(Source, f64)>,
     /// Turn from the axes of the directions to those of the segment, about its own axes.
     turn: nalgebra::UnitQuaternion<f64>,
     /// The axis that is kept.
@@ -91,9 +93,13 @@ impl Source {
 }
 
 impl Part {
+    fn sources(&self) -> impl Iterator<Item = &Source> {
+        let along = self.offset_along.as_ref().map(|(source, _)| source);
+        [&self.exact.source, &self.near.source].into_iter().chain(along)
+    }
+
     fn points(&self) -> impl Iterator<Item = &Point> {
-        let directions = [&self.exact, &self.near].into_iter().flat_map(|d| d.source.means());
-        self.joint.iter().chain(directions.flatten())
+        self.joint.iter().chain(self.sources().flat_map(Source::means).flatten())
     }
 
     /// Names of the markers that it is made of.
@@ -110,7 +116,7 @@ impl Part {
             Point::Joint(name) => Some(name.as_str()),
             Point::Marker(_) => None,
         });
-        let alike = [&self.exact, &self.near].into_iter().filter_map(|d| match &d.source {
+        let alike = self.sources().filter_map(|source| match source {
             Source::As(name) => Some(name.as_str()),
             _ => None,
         });

@@ -150,6 +150,7 @@ pub(super) struct TypedPart {
     #[serde(default)]
     pub offset_mm: Option<Spanned<[f64; 3]>>,
     offset_in: Option<Spanned<String>>,
+    offset_along: Option<Spanned<TypedAlong>>,
     pub turn_deg: Option<Spanned<[f64; 3]>>,
     end: Option<Spanned<Names>>,
     ahead: Option<Spanned<TypedDirection>>,
@@ -174,6 +175,7 @@ impl TypedPart {
         let keys = [
             ("joint", self.joint.is_some()),
             ("offset_in", self.offset_in.is_some()),
+            ("offset_along", self.offset_along.is_some()),
             ("end", self.end.is_some()),
             ("ahead", self.ahead.is_some()),
             ("up", self.up.is_some()),
@@ -211,6 +213,13 @@ enum TypedDirection {
     As(String),
     Between([Names; 2]),
     Hinge(TypedHinge),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TypedAlong {
+    direction: TypedDirection,
+    mm: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -419,7 +428,8 @@ fn part(file: &Text, name: &Spanned<String>, typed: &TypedPart) -> Result<Part, 
     let mut directions: Vec<Direction> = Vec::new();
     for (axis, typed) in [&typed.ahead, &typed.up, &typed.right].into_iter().enumerate() {
         if let Some(typed) = typed {
-            directions.push(Direction { axis, source: source(file, typed)? });
+            let source = source(file, typed.as_ref(), typed.span())?;
+            directions.push(Direction { axis, source });
         }
     }
     if let Some(end) = &typed.end {
@@ -438,11 +448,29 @@ fn part(file: &Text, name: &Spanned<String>, typed: &TypedPart) -> Result<Part, 
     let offset = three(file, typed.offset_mm.as_ref(), MOST_OFFSET_MM, "offset_mm")?;
     let turn = three(file, typed.turn_deg.as_ref(), MOST_TURN_DEG, "turn_deg")?;
     let offset_in = typed.offset_in.as_ref().map(|s| segment(file, s.as_ref(), s.span()));
+    let offset_along = match &typed.offset_along {
+        None => None,
+        Some(along) => {
+            let TypedAlong { direction, mm } = along.as_ref();
+            let from = source(file, direction, along.span())?;
+            if !(mm.abs() <= MOST_OFFSET_MM) {
+                let message = format!("offset_along: {mm} mm are too many");
+                let remedy = format!("give at most {MOST_OFFSET_MM}");
+                return Err(file.fault(message, along.span(), &remedy));
+            }
+            if matches!(from, Source::As(_)) {
+                let remedy = "give offset_in = \"SEGMENT\" and offset_mm instead";
+                return Err(file.fault("offset_along names a segment", along.span(), remedy));
+            }
+            Some((from, 1e-3 * mm))
+        }
+    };
     Ok(Part {
         name: name.as_ref().clone(),
         joint,
         offset_m: 1e-3 * offset,
         offset_in: offset_in.transpose()?.filter(|s| s != name.as_ref()),
+        offset_along,
         turn: UnitQuaternion::from_scaled_axis(turn.map(f64::to_radians)),
         exact,
         near,
@@ -487,9 +515,8 @@ pub(super) fn three(
     Err(file.fault(message, stated.span(), &remedy))
 }
 
-fn source(file: &Text, typed: &Spanned<TypedDirection>) -> Result<Source, InputError> {
-    let at = typed.span();
-    match typed.as_ref() {
+fn source(file: &Text, typed: &TypedDirection, at: Range<usize>) -> Result<Source, InputError> {
+    match typed {
         TypedDirection::As(word) => {
             let Some(name) = word.strip_prefix(AS) else {
                 let message = format!("`{word}` is no direction");

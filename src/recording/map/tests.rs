@@ -270,7 +270,7 @@ fn faults_of_a_map_are_named() {
         ("", turned.replace("\"a about up\"", "3"), "no turn: give"),
         ("", format!("{turned}joint = \"A\"\n"), "`joint` is told by markers"),
         ("", format!("{turned}rotation_vector = [\"a\", \"b\", \"c\"]\n"), "several keys tell"),
-        ("", format!("{turned}axes = [\"x\", \"y\", \"-z\"]\n"), "left-handed"),
+        ("", format!("{turned}axes = [\"x\", \"y\", \"-z\"]\n"), "those of no turn"),
         ("", format!("{turned}axes = [\"x\", \"y\", \"q\"]\n"), "axes name no axis"),
         ("", turned.replace("turns = [\"a about up\"]\n", ""), "nothing tells how it is turned"),
         ("", turned.replace("\"a about", "\"{body}a about"), "`{body}` stands for nothing"),
