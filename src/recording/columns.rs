@@ -544,8 +544,8 @@ fn height(recording: &Recording, found: &[Found], body: &Body) -> Option<Remark>
     let ratio = stats::quantile(&ratios, 0.5);
     ((ratio - 1.0).abs() > HEIGHT_DIFFERS && ratio.is_finite()).then(|| {
         let text = format!(
-            "the hips are {:.0} % {} than those of the body `{}` in the same posture: if the floor is at height \
-             zero, the person is about {:.2} m tall",
+            "the hips are {:.0} % {} than those of the body `{}` would be: is the person about {:.2} m tall, or the \
+             floor not at height zero?",
             100.0 * (ratio - 1.0).abs(),
             if ratio > 1.0 { "higher" } else { "lower" },
             body.name,

@@ -21,6 +21,7 @@ use crate::files::{InputError, NumericTable};
 use std::path::Path;
 
 const AGAIN: &str = "copy or export the file again";
+const CUT_OFF: &str = "copy or export the file again; if it is whole, correct the number";
 /// Names of tables whose columns are called as coordinates and are none.
 const NOT_COORDINATES: [&str; 3] = ["Speeds", "Accelerations", "PositionErrors"];
 /// Rate (Hz) of rows of uneven times, at most.
@@ -106,7 +107,7 @@ fn parse(text: &str) -> Result<Storage, Fault> {
     }
     if let Some((line, count)) = header.rows.filter(|(_, count)| *count != rows.len()) {
         let message = format!("nRows says {count}, but {} follow", rows.len());
-        return Err(Fault::at(line, message, AGAIN));
+        return Err(Fault::at(line, message, CUT_OFF));
     }
     Ok(Storage { columns, rows, lines: row_lines, in_degrees: header.in_degrees })
 }

@@ -9,7 +9,7 @@ use super::sheet::{Anchor, At, Drawn, Sheet, Type, png};
 use super::style::{
     BLUE, FAINT, GREEN, GRID, INK, LABEL, MUTED, Pen, Stroke, TICK, TITLE, VERMILION, WHITE,
 };
-use crate::human::{Body, Head, Mannequin, Pelvis, Stance};
+use crate::human::{Body, Head, Mannequin, Pelvis, Side, Stance};
 use crate::math::{Pose, Vec3};
 use crate::planner::PosedMannequin;
 use crate::training::{MotionLook, Residuals, SegmentQuality};
@@ -32,7 +32,10 @@ const MOST_TICKS: usize = 6;
 /// Axes of residuals span at least so much, mm and deg.
 const LEAST: [f64; 2] = [10.0, 5.0];
 
-const ON_ITS_WAY: Pen = Pen { color: VERMILION, width: 2.5, stroke: Stroke::Solid };
+/// The way of the wrist: all of it, and before a moment.
+const WHOLE_WAY: Pen = Pen { color: FAINT, width: 1.5, stroke: Stroke::Solid };
+const LAST_WAY: Pen = Pen { color: VERMILION, width: 3.5, stroke: Stroke::Solid };
+const LAST_S: f64 = 0.5;
 const ANGLE_PENS: [Pen; 4] = [
     Pen { color: BLUE, width: 3.0, stroke: Stroke::Solid },
     Pen { color: VERMILION, width: 3.0, stroke: Stroke::Dashed },
@@ -55,7 +58,14 @@ pub struct ImportPicture<'a> {
     pub quality: &'a [SegmentQuality],
 }
 
-/// The person from the right at five moments with the way of the hand, main angles over time, and residuals, as
+impl ImportPicture<'_> {
+    /// The hand that is followed, from whose side the person is seen.
+    fn side(&self) -> Side {
+        self.look.coupled.hands.lead()
+    }
+}
+
+/// The person from the side at five moments with the way of the hand, main angles over time, and residuals, as
 /// PNG.
 ///
 /// # Errors
@@ -91,17 +101,20 @@ fn note(picture: &ImportPicture) -> String {
         Pelvis::Moves => "the view goes along with the feet where they step",
     };
     format!(
-        "Body `{}`, {:.2} m, seen from its right; {legs}. The head and an arm that was not followed are not those of \
-         the recording.",
-        picture.body.name, picture.body.size.stature_m
+        "Body `{}`, {:.2} m, seen from its {}; {legs}. The head and the other arm are not those of the recording.",
+        picture.body.name,
+        picture.body.size.stature_m,
+        picture.side().name()
     )
 }
 
 fn people(sheet: &Sheet, picture: &ImportPicture, moments: &[usize]) -> Drawn {
-    let (look, body) = (Look::Side([1.0, 0.0]), picture.body);
+    let ahead = if picture.side() == Side::Right { 1.0 } else { -1.0 };
+    let (look, body) = (Look::Side([ahead, 0.0]), picture.body);
     let stance = Stance::Standing { shoe_m: 0.0 };
     let mannequin =
         Mannequin::new(body, picture.look.coupled, stance).map_err(|e| e.to_string())?;
+    // Facing world x.
     let rest = body.pelvis_pose([0.0, 0.0], 0.0, stance);
     let posed =
         |i: &usize| PosedMannequin::of(&mannequin, &rest, &picture.look.q[*i], Head::default());
@@ -114,7 +127,10 @@ fn people(sheet: &Sheet, picture: &ImportPicture, moments: &[usize]) -> Drawn {
     let Some((low, high)) = super::figure_paths::extent(corners.chain(finite)) else {
         return Ok(());
     };
-    let keys = [Key::Line(ON_ITS_WAY, "way of the wrist in the whole movement".to_owned())];
+    let keys = [
+        Key::Line(LAST_WAY, format!("way of the wrist in the last {LAST_S} s")),
+        Key::Line(WHOLE_WAY, "in the whole movement".to_owned()),
+    ];
     legend(sheet, (LEFT, 84.0), SIZE.0 - 2.0 * LEFT, &keys)?;
     let wide = (SIZE.0 - 2.0 * LEFT) / MOMENTS as f64;
     for (k, (person, i)) in posed.iter().zip(moments).enumerate() {
@@ -136,8 +152,12 @@ fn people(sheet: &Sheet, picture: &ImportPicture, moments: &[usize]) -> Drawn {
         sheet.line(&[panel.at(panel.x.0, 0.0), panel.at(panel.x.1, 0.0)], floor)?;
         mannequin::draw(sheet, person, look, &panel)?;
         let line: Vec<At> = hand.iter().map(|[x, y]| panel.at(*x, *y)).collect();
-        if line.len() > 1 {
-            sheet.line(&line, ON_ITS_WAY)?;
+        let now = picture.look.time_s[*i];
+        let from = picture.look.time_s.partition_point(|t| *t < now - LAST_S);
+        for (line, pen) in [(&line[..], WHOLE_WAY), (&line[from..=*i], LAST_WAY)] {
+            if line.len() > 1 {
+                sheet.line(line, pen)?;
+            }
         }
         sheet.disc(line[*i], 7.0, VERMILION)?;
     }
@@ -208,7 +228,7 @@ fn nearness(sheet: &Sheet, quality: &[SegmentQuality]) -> Drawn {
             }
             sheet.line(&[panel.at(r.median, y), panel.at(r.p95, y)], SCATTER)?;
             sheet.disc(panel.at(r.median, y), 6.0, BLUE)?;
-            let (cx, cy) = panel.at(r.constant, y);
+            let (cx, cy) = panel.at(r.constant, y + 0.22);
             sheet.fill((cx - 6.0, cy - 6.0), (cx + 6.0, cy + 6.0), WHITE)?;
             sheet.outline((cx - 6.0, cy - 6.0), (cx + 6.0, cy + 6.0), VERMILION, 2.5)?;
         }
@@ -272,7 +292,9 @@ mod tests {
         ] {
             assert_eq!(figure.says(words), times, "{words}");
         }
-        assert_eq!(figure.lines(ON_ITS_WAY).iter().filter(|l| l.len() == 101).count(), 5);
+        assert_eq!(figure.lines(WHOLE_WAY).iter().filter(|l| l.len() == 101).count(), 5);
+        // In the first moment there is nothing before it.
+        assert_eq!(figure.lines(LAST_WAY).iter().filter(|l| l.len() == 26).count(), 4);
         assert_eq!(import_figure(&picture).unwrap(), import_figure(&picture).unwrap());
     }
 

@@ -70,7 +70,7 @@ impl Import {
                     let [mm, deg] = [&segment.place_mm, &segment.turn_deg];
                     for part in [mm, deg] {
                         let figures = [part.constant, part.median, part.p95];
-                        cells.extend(figures.map(|v| format!("{v:.3}")));
+                        cells.extend(figures.map(|v| format!("{v:.6}")));
                     }
                     table.write_record(cells).map_err(|e| fault(e.to_string()))?;
                 }
