@@ -1,4 +1,4 @@
-//! Recorded movements: MVNX exports, BVH files, Acclaim motions, OpenSim coordinates, rigid-body CSV folders, and
+//! Recorded movements: MVNX exports, BVH files, Acclaim motions, `OpenSim` coordinates, rigid-body CSV folders, and
 //! with a [`Map`] markers, tables of points and tables of poses become one neutral type.
 //!
 //! A [`Recording`] holds segment poses of one person in ISB segment axes, whatever the file used.
@@ -100,7 +100,7 @@ pub struct Reading<'a> {
 }
 
 /// Reads a recording that needs no map: an `.mvnx` file (version 3 or 4), a `.bvh` file, an `.amc` file with its
-/// skeleton, OpenSim coordinates (`.mot`, `.sto`), or a folder of rigid-body CSV files.
+/// skeleton, `OpenSim` coordinates (`.mot`, `.sto`), or a folder of rigid-body CSV files.
 ///
 /// The skeleton of `X.amc` is `X.asf` beside it, or the only .asf there whose name `X` begins with.
 pub fn read(path: &Path, person: Option<&str>) -> Result<Recording, InputError> {

@@ -18,12 +18,12 @@ const AUTO: &str = "auto";
 /// Arguments of `import`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Recordings of one person: MVNX and BVH files, AMC files with their ASF, OpenSim coordinates (MOT, STO),
+    /// Recordings of one person: MVNX and BVH files, AMC files with their ASF, MOT and STO files of coordinates,
     /// folders of rigid-body CSV files, or with --map C3D and TRC files and tables.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Body of the person: a shipped one by name, or a URDF made by `ergopath body`; by default a man's body
-    /// with arms as long as the recorded ones. Coordinates of OpenSim have no lengths: give it.
+    /// with arms as long as the recorded ones. Files of coordinates (MOT, STO) have no lengths: give it.
     #[arg(long, default_value = AUTO, value_name = "auto|BODY")]
     body: String,
     /// What makes the markers of C3D and TRC files, or the points and columns of tables, the segments of a person:

@@ -1,4 +1,4 @@
-//! OpenSim motion and storage files (`.mot`, `.sto`): coordinates of a model over time.
+//! `OpenSim` motion and storage files (`.mot`, `.sto`): coordinates of a model over time.
 //!
 //! ```text
 //! Coordinates                     the name; `Speeds` and others hold no posture
@@ -229,7 +229,7 @@ fn even(mut storage: Storage) -> Result<(Storage, f64, Option<Remark>), Fault> {
         ));
     }
     let whole = last - first;
-    if !(whole > 0.0) {
+    if whole <= 0.0 {
         return Err(Fault::whole("all rows are of one time", SORT));
     }
     let rate = ((times.len() - 1) as f64 / whole).min(EVEN_HZ);

@@ -41,7 +41,7 @@ const QUALISYS_SPORTS: [Marker; 21] = [
     ("SpineThoracic12", "T8", "T8", [-0.06, -0.06, 0.0]),
     ("SpineThoracic2", "T8", "T8", [-0.06, 0.2, 0.0]),
     ("Chest", "T8", "T8", [0.1, 0.15, 0.0]),
-    ("HeadFront", "Head", "Head", [0.1, 0.1, 0.0]),
+    ("HeadFront", "Head", "Head", [0.1, 0.08, 0.0]),
     ("Head*", "Head", "Head", [0.0, 0.08, 0.08]),
     ("*ShoulderTop", "T8", "*UpperArm", [0.0, 0.04, 0.01]),
     ("*ElbowOut", "*UpperArm", "*ForeArm", [0.0, 0.0, 0.042]),

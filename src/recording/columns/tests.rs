@@ -1,4 +1,4 @@
-//! Postures by the coordinates of OpenSim and by poses in tables, and what is refused or told of them.
+//! Postures by the coordinates of `OpenSim` and by poses in tables, and what is refused or told of them.
 
 use crate::files::InputError;
 use crate::math::Vec3;

@@ -453,7 +453,7 @@ fn part(file: &Text, name: &Spanned<String>, typed: &TypedPart) -> Result<Part, 
         Some(along) => {
             let TypedAlong { direction, mm } = along.as_ref();
             let from = source(file, direction, along.span())?;
-            if !(mm.abs() <= MOST_OFFSET_MM) {
+            if mm.abs() > MOST_OFFSET_MM || mm.is_nan() {
                 let message = format!("offset_along: {mm} mm are too many");
                 let remedy = format!("give at most {MOST_OFFSET_MM}");
                 return Err(file.fault(message, along.span(), &remedy));

@@ -237,6 +237,22 @@ fn faults_of_a_map_are_named() {
             "made of each other",
         ),
         ("", TRUNK.replace("as Pelvis", "as Head"), "needs the segment Head"),
+        (
+            "",
+            whole.replace(
+                "joint = \"T10\"",
+                "joint = \"T10\"\noffset_along = { direction = [\"A\", \"B\"], mm = 900 }",
+            ),
+            "900 mm are too many",
+        ),
+        (
+            "",
+            whole.replace(
+                "joint = \"T10\"",
+                "joint = \"T10\"\noffset_along = { direction = \"as Pelvis\", mm = 9 }",
+            ),
+            "offset_along names a segment",
+        ),
         ("up = \"w\"", whole.clone(), "up = `w`"),
         ("longest_gap_s = 3", whole.clone(), "longest_gap_s = 3"),
         ("unit = \"furlong\"", whole.clone(), "`furlong` is unknown"),

@@ -31,8 +31,7 @@ pub(in crate::recording) fn vertical(
     }
     let axis = trunk.abs().imax();
     let backwards = trunk[axis] < 0.0;
-    // Written so that what is no number is refused too.
-    if !(trunk[axis].abs() >= MOSTLY) {
+    if trunk[axis].abs() < MOSTLY || trunk[axis].is_nan() {
         return Err(InputError::new(path, "stoops too much to tell what is up").remedy(SAY_UP));
     }
     let word = format!(
