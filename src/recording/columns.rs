@@ -29,6 +29,8 @@ const TELLING: f64 = 0.17;
 const HEIGHT_DIFFERS: f64 = 0.03;
 /// Height of a pelvis that nobody has, m.
 const TOO_HIGH_M: f64 = 3.0;
+/// The body of whom nobody says how tall he is.
+const DEFAULT_BODY: &str = "male_p50";
 /// Names of columns that are told at once.
 const FEW: usize = 8;
 
@@ -83,12 +85,11 @@ pub(super) fn record(
     let signs = sign(&found, tables);
     refuse_doubtful_unit(&found, tables)?;
     let own;
-    let body = match body {
-        Some(body) => body,
-        None => {
-            own = Body::load("male_p50", "".as_ref())?;
-            &own
-        }
+    let body = if let Some(body) = body {
+        body
+    } else {
+        own = Body::load(DEFAULT_BODY, "".as_ref())?;
+        &own
     };
     let mut made: BTreeMap<&str, SegmentTrack> = BTreeMap::new();
     for one in &found {
