@@ -37,6 +37,7 @@ mod experiment_size;
 mod import;
 mod import_print;
 mod inspect;
+mod inspect_motion;
 mod plan;
 mod plan_print;
 mod progress;
@@ -162,7 +163,7 @@ pub fn main() -> ExitCode {
     let outputs = Outputs::new(cli.overwrite);
     let result = match cli.command {
         Command::Check(args) => check::run(&args, outputs),
-        Command::Inspect(args) => inspect::run(&args),
+        Command::Inspect(args) => inspect::run(&args, outputs),
         Command::Body(args) => body::run(&args, outputs),
         Command::Plan(args) => plan::plan(&args, outputs),
         Command::Assess(args) => plan::assess(&args, outputs),

@@ -29,7 +29,7 @@ pub use body::{Body, PRESETS, Stance};
 pub use envelope::{BodyPart, Envelope, EnvelopeScratch};
 pub use generate::{BodyFiles, generate};
 pub use legs::{Bending, LegPosture, Legs, PelvisRow};
-pub use limits::{PostureLimits, SumLimit, SumRow};
+pub use limits::{PostureLimits, SPINE_SHARES, SumLimit, SumRow};
 pub use mirror::{mirror_sign, mirrored_pose, other_side_joint};
 pub use pelvis::{
     FEET_COLUMNS, PELVIS_JOINTS, column_of, column_unit, pelvis_coordinates, pelvis_in_rest,

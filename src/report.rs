@@ -10,6 +10,7 @@
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
 //! gains with their intervals     ─► figure_forest                             PNG
 //! WeightSpread, HeldOutCurves ─► figure_weights, figure_held_out             PNG
+//! MotionLook, SegmentQuality ─► figure_import   the picture of an import, PNG
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
@@ -33,6 +34,7 @@ mod figure_forest;
 mod figure_growth;
 mod figure_heat;
 mod figure_held_out;
+mod figure_import;
 mod figure_movement;
 mod figure_paths;
 mod figure_population;
@@ -68,6 +70,7 @@ pub use figure_cell::cell_figure;
 pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use figure_held_out::held_out_figure;
+pub use figure_import::{ImportPicture, import_figure};
 pub use figure_weights::{Learned, weights_figure};
 pub use filled_page::{Picked, sheet_files};
 pub use size::size_files;

@@ -44,6 +44,8 @@ pub mod people;
 mod rollout_check;
 mod settings;
 mod sharing;
+#[cfg(test)]
+mod shipped_map_tests;
 mod simulated_movements;
 mod size_experiment;
 mod source;
@@ -70,8 +72,8 @@ pub use fit::{FitSettings, JointMotion, fit};
 pub use fit_report::{Beyond, FitReport, SegmentLength, Spread};
 pub use held_out_curves::{BAND_LEVELS, HeldOutCurves, JointCurves, held_out_curves};
 pub use import::{
-    Drift, Import, ImportRequest, ImportedFile, ImportedRun, PartSize, Residuals, SegmentQuality,
-    Sizes, drift, import,
+    Drift, Import, ImportRequest, ImportedFile, ImportedRun, MotionLook, PartSize, QUALITY_FILE,
+    QualityRow, Residuals, SegmentQuality, Sizes, drift, import, read_quality,
 };
 pub use methods::{Law, WeightUncertainty, learn_laws};
 #[doc(hidden)]

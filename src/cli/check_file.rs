@@ -8,20 +8,21 @@ use crate::human::{Body, Side};
 use crate::kinematics::{JointKind, read_urdf};
 use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result};
 use crate::posture::load_model;
-use crate::recording::{MAP_SCHEMA, Map, Recording, read, read_map, read_with};
+use crate::recording::{MAP_SCHEMA, Map, Reading, Recording, read_map, read_with};
 use crate::robot::{JointTrajectory, PRESETS, Robot};
 use crate::training::people::{PeopleFile, read_people_file};
 use crate::words::number::percent;
 use std::path::Path;
 
 const KNOWN: &str = "known are scenarios, planners, people and maps (TOML), bodies and robots (URDF), posture models and results \
-                     (JSON), recordings (MVNX, BVH, AMC, folders, and with --map C3D, TRC and tables), JointTrajectory \
+                     (JSON), recordings (MVNX, BVH, AMC, OpenSim, folders, and with --map C3D, TRC and tables), JointTrajectory \
                      (YAML, JSON) and tables (CSV)";
 
 /// A file in words.
 pub(super) fn explain(path: &Path, map: Option<&Map>) -> Result<Explained, InputError> {
+    let how = Reading { map, ..Reading::default() };
     if path.is_dir() {
-        return folder(path);
+        return folder(path, &how);
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
@@ -30,9 +31,9 @@ pub(super) fn explain(path: &Path, map: Option<&Map>) -> Result<Explained, Input
         "yaml" | "yml" => trajectory(path),
         "urdf" => urdf(path),
         "csv" if map.is_none() => table(path),
-        "csv" | "txt" if map.is_some() => Ok(recording(&read_with(path, None, map)?)),
-        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" | "tsv" => {
-            Ok(recording(&read_with(path, None, map)?))
+        "csv" | "txt" if map.is_some() => Ok(recording(&read_with(path, &how)?)),
+        "mvnx" | "mvn" | "bvh" | "amc" | "asf" | "c3d" | "trc" | "tsv" | "mot" | "sto" => {
+            Ok(recording(&read_with(path, &how)?))
         }
         _ => {
             read_bytes(path)?;
@@ -41,11 +42,11 @@ pub(super) fn explain(path: &Path, map: Option<&Map>) -> Result<Explained, Input
     }
 }
 
-fn folder(path: &Path) -> Result<Explained, InputError> {
+fn folder(path: &Path, how: &Reading) -> Result<Explained, InputError> {
     if path.join("result.json").is_file() {
         return Ok(result(&read_result(path)?));
     }
-    read(path, None).map(|r| recording(&r))
+    read_with(path, how).map(|r| recording(&r))
 }
 
 fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
@@ -79,9 +80,10 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
 fn map(map: &Map) -> Explained {
     let segments: Vec<&str> = map.segments().collect();
     let markers = map.markers();
-    Explained::new(format!("a map from markers to segments ({MAP_SCHEMA})"))
+    let what = if map.is_of_columns() { "columns" } else { "markers" };
+    Explained::new(format!("a map from {what} to segments ({MAP_SCHEMA})"))
         .saying(format!("{} segments: {}", segments.len(), segments.join(", ")))
-        .saying(format!("of {} markers: {}", markers.len(), markers.join(", ")))
+        .saying(format!("of {} {what}: {}", markers.len(), markers.join(", ")))
 }
 
 fn people(file: &PeopleFile) -> Explained {

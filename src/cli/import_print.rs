@@ -1,7 +1,7 @@
 //! What `import` prints: sizes, and residuals of each segment.
 
 use crate::human::Side;
-use crate::training::{FitReport, Import, ImportedFile, Residuals};
+use crate::training::{FitReport, Import, ImportedFile, Residuals, SegmentQuality};
 use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
@@ -42,6 +42,20 @@ pub(super) fn as_json(done: &Import, names: &[String], body: &str) -> Value {
     })
 }
 
+/// Residuals of the segments of a run as a table.
+pub(super) fn quality_table(segments: &[SegmentQuality]) -> Table {
+    let mut table = plain(&["", "joint centre", "", "", "axes", "", ""]);
+    table.add_row(["segment", "constant", "scatter", "95 % in", "constant", "scatter", "95 % in"]);
+    for segment in segments {
+        let figures = |r: &Residuals, unit: &str, digits: usize| {
+            [r.constant, r.median, r.p95].map(|v| format!("{v:.digits$} {unit}"))
+        };
+        let cells = [figures(&segment.place_mm, "mm", 1), figures(&segment.turn_deg, "deg", 1)];
+        table.add_row(std::iter::once(segment.segment.clone()).chain(cells.into_iter().flatten()));
+    }
+    aligned(table, 7)
+}
+
 pub(super) fn print_text(done: &Import, side: Side) {
     for file in &done.files {
         sizes(file);
@@ -55,7 +69,7 @@ pub(super) fn print_text(done: &Import, side: Side) {
                 String::new()
             };
             say!("\n{}: {which}{} frames at {rate} Hz, {seconds:.1} s", file.name, fit.frames);
-            say!("{}", table(file, i));
+            say!("{}", quality_table(&run.segments));
             figures(fit);
             if run.gaps_filled > 0 {
                 say!("  gaps                {} filled", run.gaps_filled);
@@ -96,19 +110,6 @@ fn sizes(file: &ImportedFile) {
         ]);
     }
     say!("{}", aligned(table, 5));
-}
-
-fn table(file: &ImportedFile, run: usize) -> Table {
-    let mut table = plain(&["", "joint centre", "", "", "axes", "", ""]);
-    table.add_row(["segment", "constant", "scatter", "95 % in", "constant", "scatter", "95 % in"]);
-    for segment in &file.runs[run].segments {
-        let figures = |r: &Residuals, unit: &str, digits: usize| {
-            [r.constant, r.median, r.p95].map(|v| format!("{v:.digits$} {unit}"))
-        };
-        let cells = [figures(&segment.place_mm, "mm", 1), figures(&segment.turn_deg, "deg", 1)];
-        table.add_row(std::iter::once(segment.segment.clone()).chain(cells.into_iter().flatten()));
-    }
-    aligned(table, 7)
 }
 
 fn figures(fit: &FitReport) {

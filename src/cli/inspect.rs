@@ -1,32 +1,49 @@
-//! `ergopath inspect`: a chain, its limits, and its kinematics at given postures.
+//! `ergopath inspect`: a chain, its limits, and its kinematics at given postures; or an imported motion.
 
+use super::inspect_motion;
 use super::{Failure, Outcome};
-use crate::files::{InputError, NumericTable, suggest};
+use crate::files::{InputError, NumericTable, Outputs, suggest};
 use crate::kinematics::{Frames, Linkage, Model, read_urdf};
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `inspect`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// URDF file.
-    urdf: PathBuf,
-    /// Chain as BASE:TIP, by link names; BASE must be an ancestor of TIP.
+    /// URDF file, or the motion (CSV) of an import.
+    #[arg(value_name = "FILE")]
+    pub(super) file: PathBuf,
+    /// Chain of a URDF as BASE:TIP, by link names; BASE must be an ancestor of TIP.
     #[arg(long, value_name = "BASE:TIP")]
-    chain: String,
+    chain: Option<String>,
+    /// Body of a motion; by default the one that its import wrote beside it.
+    #[arg(long, value_name = "BODY", conflicts_with = "chain")]
+    pub(super) body: Option<String>,
+    /// Draw a motion: the person, main angles, residuals.
+    #[arg(long, value_name = "FILE.png", conflicts_with = "chain")]
+    pub(super) figure: Option<PathBuf>,
     /// Postures: CSV with a header of joint names, values in rad (m for sliding joints).
-    #[arg(long, value_name = "Q.csv")]
+    #[arg(long, value_name = "Q.csv", requires = "chain")]
     at: Option<PathBuf>,
     /// Print JSON at full precision.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
-/// Prints the chain.
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
-    let model = read_urdf(&args.urdf)?;
-    let linkage = chain(&model, args)?;
+/// Prints the chain, or the motion.
+pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
+    let is_csv = args.file.extension().is_some_and(|x| x.eq_ignore_ascii_case("csv"));
+    let Some(named) = &args.chain else {
+        if is_csv {
+            return inspect_motion::run(args, outputs);
+        }
+        return Err(InputError::new(&args.file, "is shown by a chain of its links")
+            .remedy("add --chain BASE:TIP, or give the motion (CSV) of an import")
+            .into());
+    };
+    let model = read_urdf(&args.file)?;
+    let linkage = chain(&model, &args.file, named)?;
     let postures = match &args.at {
         Some(path) => postures(&model, &linkage, path)?,
         None => Vec::new(),
@@ -38,27 +55,22 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     if args.json {
         print_json(&linkage, &postures);
     } else {
-        print_text(&model, &linkage, &args.chain, &postures);
+        print_text(&model, &linkage, named, &postures);
     }
     Ok(Outcome::Done)
 }
 
-fn chain(model: &Model, args: &Args) -> Result<Linkage, InputError> {
+fn chain(model: &Model, file: &Path, named: &str) -> Result<Linkage, InputError> {
     // Link names may hold colons as well as spaces: try every way to split.
-    let splits =
-        args.chain.match_indices(':').map(|(i, _)| (&args.chain[..i], &args.chain[i + 1..]));
+    let splits = named.match_indices(':').map(|(i, _)| (&named[..i], &named[i + 1..]));
     let known = |n: &str| model.link_index(n).is_some();
     let best = splits.clone().find(|(b, t)| known(b) && known(t)).or_else(|| splits.clone().next());
     let Some((base, tip)) = best else {
-        return Err(InputError::new(
-            "--chain",
-            format!("`{}` is not of the form BASE:TIP", args.chain),
-        )
-        .remedy(format!("for example --chain {}:TIP", model.root())));
+        return Err(InputError::new("--chain", format!("`{named}` is not of the form BASE:TIP"))
+            .remedy(format!("for example --chain {}:TIP", model.root())));
     };
     Linkage::chain(model, base, tip).map_err(|e| {
-        InputError::new(&args.urdf, e.to_string())
-            .remedy(format!("the root link is `{}`", model.root()))
+        InputError::new(file, e.to_string()).remedy(format!("the root link is `{}`", model.root()))
     })
 }
 

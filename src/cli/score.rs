@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A recording (MVNX, BVH, AMC with its ASF, folder of rigid-body CSV files, or with --map C3D, TRC and
+    /// A recording (MVNX, BVH, AMC with its ASF, MOT or STO file of coordinates, folder of rigid-body CSV files, or with --map C3D, TRC and
     /// tables), a CSV of joint angles, or a rollouts/<rank>.csv of `ergopath plan --rollouts`; two of the latter with --paired.
     #[arg(
         required_unless_present = "worksheet",

@@ -6,7 +6,7 @@ use super::{Failure, Outcome};
 use crate::ergonomics::{PairedDifference, TimeRules, paired_difference};
 use crate::files::{InputError, Outputs};
 use crate::human::{Body, Side, Stance};
-use crate::recording::{read_map, read_with};
+use crate::recording::{Reading, read_map, read_with};
 use crate::report::{Picked, sheet_files};
 use crate::scenario::{Scenario, read_scenario};
 use crate::scoring::{
@@ -152,7 +152,9 @@ fn read_any(path: &Path, setting: &Setting, args: &Args) -> Result<Motion, Input
         return read_angles(path, &setting.body, setting.stance, setting.duration_s);
     }
     let map = args.map.as_deref().map(read_map).transpose()?;
-    let recording = read_with(path, args.person.as_deref(), map.as_ref())?;
+    let how =
+        Reading { person: args.person.as_deref(), map: map.as_ref(), body: Some(&setting.body) };
+    let recording = read_with(path, &how)?;
     let both = [Side::Right, Side::Left];
     let sides = if setting.sides.is_empty() { &both[..] } else { &setting.sides };
     read_recorded(&recording, &setting.body, sides)

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Recordings of one person: MVNX and BVH files, AMC files with their ASF, folders of rigid-body CSV
+    /// Recordings of one person: MVNX and BVH files, AMC files with their ASF, MOT and STO files of coordinates, folders of rigid-body CSV
     /// files, joint-motion CSV files, or with --map C3D and TRC files and tables; or a TOML file that names
     /// several people.
     #[arg(required = true, value_name = "RECORDING")]

@@ -65,6 +65,11 @@ impl NumericTable {
         Ok(Self { file: path.display().to_string(), columns, rows, lines })
     }
 
+    /// A table that was read otherwise; `lines` holds the line of each row.
+    pub fn of(path: &Path, columns: Vec<String>, rows: Vec<Vec<f64>>, lines: Vec<u64>) -> Self {
+        Self { file: path.display().to_string(), columns, rows, lines }
+    }
+
     /// Line of the file on which a row stands, from 1.
     pub fn line(&self, row: usize) -> u64 {
         self.lines.get(row).copied().unwrap_or_default()

@@ -8,6 +8,9 @@
 use crate::kinematics::Linkage;
 use serde::{Deserialize, Serialize};
 
+/// Flexion of the spine joints from the pelvis up, relative to the first: measured slopes of
+/// inertial motion-capture systems.
+pub const SPINE_SHARES: [f64; 4] = [1.0, 0.44, 0.44, 0.33];
 /// How much wider a single spine joint may move than its share of the total.
 const SPINE_WIDENING: f64 = 1.5;
 

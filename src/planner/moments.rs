@@ -6,8 +6,6 @@ use super::repetitions::{Repetition, Repetitions};
 use super::result::{Moment, MomentKind};
 use super::scene::PosedMannequin;
 use crate::ergonomics::{Clock, Sheet, TimeRules};
-use crate::human::{Head, Mannequin};
-use crate::math::Pose;
 use crate::scenario::Variant;
 use crate::survey::{Lens, PostureAngles};
 use nalgebra::DVector;
@@ -143,16 +141,7 @@ impl Place<'_> {
             reba: reba.total,
             angles_deg: named.map(|(name, deg)| (name.to_owned(), deg)).to_vec(),
             bones: self.person.surveyor.bones_at(&rest, q, head),
-            mannequin: posed(&self.person.mannequin, &rest, q, head),
+            mannequin: PosedMannequin::of(&self.person.mannequin, &rest, q.as_slice(), head),
         }
-    }
-}
-
-fn posed(mannequin: &Mannequin, rest: &Pose, q: &DVector<f64>, head: Head) -> PosedMannequin {
-    let points = mannequin.place(rest, q.as_slice(), head);
-    PosedMannequin {
-        // Whole millimetres are enough for a picture.
-        points_m: points.into_iter().map(|p| p.map(|c| (1e3 * c).round() / 1e3).into()).collect(),
-        capsules: mannequin.pieces().iter().map(Into::into).collect(),
     }
 }

@@ -1,7 +1,7 @@
 //! The moving scene of a run: the cell, the robot and the worker over time, small enough for a page.
 
-use crate::human::{MannequinPiece, SegmentKind};
-use crate::math::Vec3;
+use crate::human::{Head, Mannequin, MannequinPiece, SegmentKind};
+use crate::math::{Pose, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -147,6 +147,21 @@ pub struct PosedMannequin {
     pub points_m: Vec<[f64; 3]>,
     /// The pieces between them.
     pub capsules: Vec<SceneCapsule>,
+}
+
+impl PosedMannequin {
+    /// A mannequin in the posture of its coupled chain, for the rest frame in the world.
+    pub fn of(mannequin: &Mannequin, rest: &Pose, q: &[f64], head: Head) -> Self {
+        let points = mannequin.place(rest, q, head);
+        Self {
+            // Whole millimetres are enough for a picture.
+            points_m: points
+                .into_iter()
+                .map(|p| p.map(|c| (1e3 * c).round() / 1e3).into())
+                .collect(),
+            capsules: mannequin.pieces().iter().map(Into::into).collect(),
+        }
+    }
 }
 
 fn whole_mm(radii_m: [f64; 2]) -> [u32; 2] {

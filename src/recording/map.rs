@@ -1,11 +1,13 @@
-//! A map: which markers of a file, or points of a table, make the segments of a person.
+//! A map: which markers of a file, or points or columns of a table, make the segments of a person.
 //!
 //! ```text
 //! C3D, TRC, table ─► places of points over time ─ gaps filled, runs ─ joints and directions ─► Recording
+//! OpenSim, table ─► columns over time ─ poses, or turns of one segment in another (on a body) ─► Recording
 //! ```
-//! A segment is placed by its proximal joint centre, and turned by two directions: one that is kept as it
-//! is, and one that only says how the segment is turned about the first.
+//! Of markers a segment is placed by its proximal joint centre, and turned by two directions: one that is kept
+//! as it is, and one that only says how the segment is turned about the first.
 
+mod columns;
 mod file;
 mod fill;
 mod parts;
@@ -13,11 +15,14 @@ mod remarks;
 mod runs;
 #[cfg(test)]
 mod tests;
+mod vertical;
 
-pub(super) use file::TableMap;
+pub(super) use columns::{BODY, ByColumns, ColumnPart};
 pub use file::{MAP_SCHEMA, Map, read_map};
+pub(super) use file::{PERSON, TableMap};
 pub use runs::Run;
 pub(super) use runs::{Origin, runs};
+pub(super) use vertical::vertical;
 
 /// Axes of a segment by what a map calls them: x, y and z.
 const AXES: [&str; 3] = ["ahead", "up", "right"];
@@ -65,6 +70,8 @@ struct Part {
     offset_m: crate::math::Vec3,
     /// The segment whose axes the offset is told in; none: its own.
     offset_in: Option<String>,
+    /// A direction along which the joint centre lies besides, and how far, m.
+    offset_along: Option<(Source, f64)>,
     /// Turn from the axes of the directions to those of the segment, about its own axes.
     turn: nalgebra::UnitQuaternion<f64>,
     /// The axis that is kept.
@@ -86,9 +93,13 @@ impl Source {
 }
 
 impl Part {
+    fn sources(&self) -> impl Iterator<Item = &Source> {
+        let along = self.offset_along.as_ref().map(|(source, _)| source);
+        [&self.exact.source, &self.near.source].into_iter().chain(along)
+    }
+
     fn points(&self) -> impl Iterator<Item = &Point> {
-        let directions = [&self.exact, &self.near].into_iter().flat_map(|d| d.source.means());
-        self.joint.iter().chain(directions.flatten())
+        self.joint.iter().chain(self.sources().flat_map(Source::means).flatten())
     }
 
     /// Names of the markers that it is made of.
@@ -105,7 +116,7 @@ impl Part {
             Point::Joint(name) => Some(name.as_str()),
             Point::Marker(_) => None,
         });
-        let alike = [&self.exact, &self.near].into_iter().filter_map(|d| match &d.source {
+        let alike = self.sources().filter_map(|source| match source {
             Source::As(name) => Some(name.as_str()),
             _ => None,
         });

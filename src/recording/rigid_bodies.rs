@@ -1,56 +1,23 @@
 //! Folders of rigid-body CSV files: a solved skeleton, one file per body and person.
 //!
-//! Files are named `<person>_<body>_pose_saved.csv` and hold columns x, y, z (m) and q0..q3, a
-//! quaternion with the scalar last that maps body axes to the world (z up). Other files are ignored.
+//! A map says how files are named after person and body, and which columns hold their poses. Without one files are
+//! `<person>_<body>_pose_saved.csv` with columns x, y, z (m) and q0..q3, a quaternion with the scalar last that maps
+//! body axes to the world (z up). Other files are ignored.
 
-use super::axes::rigid_body_from_isb;
-use super::checks::{make_continuous, note_oddities, sort_segments, unit};
-use super::{Recording, Remark, SegmentTrack, bare_name};
+use super::columns::{Angle, OneTable, Tables, record};
+use super::map::{BODY, Map, Origin, PERSON};
+use super::markers::table::{NEEDS_RATE, NEEDS_UNIT};
+use super::{Reading, Recording, Remark, bare_name};
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex, suggest};
-use crate::math::Vec3;
-use crate::math::stats::quantile;
 use std::path::{Path, PathBuf};
 
-/// Rate of rigid-body recordings (Hz) unless stated; the files do not hold it.
-pub const RIGID_BODY_RATE_HZ: f64 = 120.0;
-
-const SUFFIX: &str = "_pose_saved.csv";
-
-/// Bodies and the segments they become. The abdomen spans 14 to 54 % of the way from the pelvis to
-/// the neck, where MVNX has L5 (19 to 39 %) and L3 (39 to 57 %); T12 begins only at 57 %. It is
-/// called L3 because its turn against the pelvis is that of the whole lumbar spine.
-const BODIES: [(&str, &str); 13] = [
-    ("hip", "Pelvis"),
-    ("ab", "L3"),
-    ("chest", "T8"),
-    ("neck", "Neck"),
-    ("head", "Head"),
-    ("RShoulder", "RightShoulder"),
-    ("RUArm", "RightUpperArm"),
-    ("RFArm", "RightForeArm"),
-    ("RHand", "RightHand"),
-    ("LShoulder", "LeftShoulder"),
-    ("LUArm", "LeftUpperArm"),
-    ("LFArm", "LeftForeArm"),
-    ("LHand", "LeftHand"),
-];
-
-/// The next body up or out, whose origin is the distal joint centre.
-const NEXT: [(&str, &str); 8] = [
-    ("Pelvis", "L3"),
-    ("L3", "T8"),
-    ("T8", "Neck"),
-    ("Neck", "Head"),
-    ("RightUpperArm", "RightForeArm"),
-    ("RightForeArm", "RightHand"),
-    ("LeftUpperArm", "LeftForeArm"),
-    ("LeftForeArm", "LeftHand"),
-];
+/// The map of folders that come without one.
+const SHIPPED: &str = "rigid_bodies";
 
 /// The CSV file of one body.
-struct Body {
+struct BodyFile {
     person: String,
-    segment: &'static str,
+    body: String,
     path: PathBuf,
 }
 
@@ -66,52 +33,73 @@ pub fn read_rigid_bodies(
         return Err(InputError::new(folder, format!("{rate_hz} is no rate in Hz"))
             .remedy("rates lie between 0 and 10000 frames per second"));
     }
-    let mut remarks = conventions(rate_hz);
-    let bodies = list(folder, &mut remarks)?;
-    let person = pick(folder, &bodies, person)?;
-    let bodies: Vec<&Body> = bodies.iter().filter(|b| b.person == person).collect();
-    if !bodies.iter().any(|b| b.segment == "Pelvis") {
-        return Err(InputError::new(folder, format!("`{person}` has no file for the body `hip`"))
-            .remedy(format!("add {person}_hip{SUFFIX}: everything is related to the pelvis")));
+    read_folder(folder, &Reading { person, ..Reading::default() }, Some(rate_hz))
+}
+
+/// Reads a folder as a map says, or else as those are that the shipped map tells.
+pub(super) fn read_folder(
+    folder: &Path,
+    how: &Reading,
+    rate_hz: Option<f64>,
+) -> Result<Recording, InputError> {
+    let shipped = Map::shipped(SHIPPED)?;
+    let map = how.map.unwrap_or(&shipped);
+    let Some(pattern) = &map.table().files else {
+        let message = format!("is a folder, and the map `{}` does not name its files", map.name);
+        return Err(InputError::new(folder, message)
+            .remedy("say under [map] how they are named: files = \"{person}_{body}.csv\""));
+    };
+    let rate_hz = rate_hz
+        .or(map.table().rate_hz)
+        .ok_or_else(|| InputError::new(folder, "does not say its rate").remedy(NEEDS_RATE))?;
+    let unit_m = map
+        .table()
+        .unit_m
+        .ok_or_else(|| InputError::new(folder, "does not say its unit").remedy(NEEDS_UNIT))?;
+    let mut remarks =
+        vec![Remark::new("rate", format!("rate taken as {rate_hz} Hz: the files do not hold it"))];
+    if how.map.is_none() {
+        remarks.extend(conventions());
     }
-    let mut bytes = Vec::new();
-    let mut segments: Vec<SegmentTrack> = Vec::new();
-    for body in bodies {
-        let text = read_bytes(&body.path)?;
-        let track = track(body, &text)?;
-        if let Some(first) = segments.first().filter(|f| f.position.len() != track.position.len()) {
-            return Err(InputError::new(
-                &body.path,
-                format!(
-                    "holds {} rows, but the file of {} holds {}",
-                    track.position.len(),
-                    first.name,
-                    first.position.len()
-                ),
-            )
-            .remedy("all bodies of a person need the same frames"));
+    let files = list(folder, pattern, map, &mut remarks)?;
+    let person = pick(folder, &files, how.person)?;
+    let (mut all, mut bytes): (Vec<OneTable>, Vec<u8>) = (Vec::new(), Vec::new());
+    for file in files.iter().filter(|f| f.person == person) {
+        let text = read_bytes(&file.path)?;
+        let table = NumericTable::parse(&file.path, &text)?;
+        if let Some(first) = all.first().filter(|f| f.table.rows.len() != table.rows.len()) {
+            let message = format!(
+                "holds {} rows, but {} holds {}",
+                table.rows.len(),
+                bare_name(&first.path),
+                first.table.rows.len()
+            );
+            return Err(InputError::new(&file.path, message)
+                .remedy("all bodies of a person need the same frames"));
         }
         bytes.extend_from_slice(&text);
-        segments.push(track);
+        all.push(OneTable { path: file.path.clone(), body: Some(file.body.clone()), table });
     }
-    sort_segments(&mut segments);
-    let mut recording = Recording {
+    let pelvis = map.columns().iter().find(|p| p.name == "Pelvis");
+    let pelvis = pelvis.and_then(|p| p.body.as_ref());
+    if let Some(body) = pelvis.filter(|b| !all.iter().any(|t| t.body.as_ref() == Some(b))) {
+        let file = pattern.replace(PERSON, &person).replace(BODY, body);
+        let message = format!("`{person}` has no file for the body `{body}`");
+        return Err(InputError::new(folder, message)
+            .remedy(format!("add {file}: everything is related to the pelvis")));
+    }
+    let origin = Origin {
+        path: folder,
         source: bare_name(folder),
         format: "rigid-body CSV",
         sha256: sha256_hex(&bytes),
-        rate_hz,
-        segments,
-        segment_lengths_m: Vec::new(),
-        remarks,
     };
-    recording.segment_lengths_m = segment_lengths(&recording);
-    note_oddities(&mut recording);
-    Ok(recording)
+    let angle = Angle { rad: map.table().angle_rad, is_doubtful: false };
+    record(&origin, &Tables { all, rate_hz, unit_m, angle, remarks }, map, how.body)
 }
 
-fn conventions(rate_hz: f64) -> Vec<Remark> {
-    vec![
-        Remark::new("rate", format!("rate taken as {rate_hz} Hz: the files do not hold it")),
+fn conventions() -> [Remark; 3] {
+    [
         Remark::new(
             "axes",
             "bodies are parallel (x left, y back, z up) in a T-pose with palms down; a constant turn per \
@@ -127,44 +115,55 @@ fn conventions(rate_hz: f64) -> Vec<Remark> {
 }
 
 /// All bodies of all persons in the folder, in order of file names.
-fn list(folder: &Path, remarks: &mut Vec<Remark>) -> Result<Vec<Body>, InputError> {
+fn list(
+    folder: &Path,
+    pattern: &str,
+    map: &Map,
+    remarks: &mut Vec<Remark>,
+) -> Result<Vec<BodyFile>, InputError> {
     let io = |e: std::io::Error| InputError::new(folder, format!("cannot be read: {e}"));
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(io)? {
         paths.push(entry.map_err(io)?.path());
     }
     paths.sort();
-    let mut bodies = Vec::new();
+    let known: Vec<&str> = map.columns().iter().filter_map(|p| p.body.as_deref()).collect();
+    // What ends all names.
+    let ending = pattern.rsplit('}').next().unwrap_or_default();
+    let mut files = Vec::new();
     let mut ignored = Vec::new();
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let Some(stem) = name.strip_suffix(SUFFIX) else { continue };
-        let known = stem.rsplit_once('_').and_then(|(person, body)| {
-            let (_, segment) = BODIES.iter().find(|(b, _)| *b == body)?;
-            (!person.is_empty()).then(|| (person.to_owned(), *segment))
-        });
-        match known {
-            Some((person, segment)) => bodies.push(Body { person, segment, path }),
-            None => ignored.push(name),
+        // Of two bodies whose names end alike the longer is meant.
+        let fits = known.iter().filter_map(|body| Some((*body, person_in(&name, pattern, body)?)));
+        match fits.max_by_key(|(body, _)| body.len()) {
+            Some((body, person)) => files.push(BodyFile { person, body: body.to_owned(), path }),
+            None if name.ends_with(ending) => ignored.push(name),
+            None => {}
         }
     }
-    if bodies.is_empty() {
-        let known: Vec<&str> = BODIES.iter().map(|(b, _)| *b).collect();
-        return Err(InputError::new(
-            folder,
-            format!("holds no file named <person>_<body>{SUFFIX}"),
-        )
-        .remedy(format!("bodies known here: {}", known.join(", "))));
+    if files.is_empty() {
+        let shown = pattern.replace('{', "<").replace('}', ">");
+        return Err(InputError::new(folder, format!("holds no file named {shown}"))
+            .remedy(format!("bodies known here: {}", known.join(", "))));
     }
     if !ignored.is_empty() {
         let text = format!("not a body of a person, left out: {}", ignored.join(", "));
         remarks.push(Remark::new("other files", text).of_size(ignored.len() as f64));
     }
-    Ok(bodies)
+    Ok(files)
 }
 
-fn pick(folder: &Path, bodies: &[Body], person: Option<&str>) -> Result<String, InputError> {
-    let mut present: Vec<&str> = bodies.iter().map(|b| b.person.as_str()).collect();
+/// The person whose body a file is, if its name is of the pattern.
+fn person_in(name: &str, pattern: &str, body: &str) -> Option<String> {
+    let pattern = pattern.replace(BODY, body);
+    let (before, after) = pattern.split_once(PERSON)?;
+    let person = name.strip_prefix(before)?.strip_suffix(after)?;
+    (!person.is_empty()).then(|| person.to_owned())
+}
+
+fn pick(folder: &Path, files: &[BodyFile], person: Option<&str>) -> Result<String, InputError> {
+    let mut present: Vec<&str> = files.iter().map(|f| f.person.as_str()).collect();
     present.sort_unstable();
     present.dedup();
     let listed = || format!("present are: {}", present.join(", "));
@@ -183,72 +182,23 @@ fn pick(folder: &Path, bodies: &[Body], person: Option<&str>) -> Result<String, 
     }
 }
 
-fn track(body: &Body, bytes: &[u8]) -> Result<SegmentTrack, InputError> {
-    let table = NumericTable::parse(&body.path, bytes)?;
-    let mut columns = [0; 7];
-    for (index, name) in columns.iter_mut().zip(["x", "y", "z", "q0", "q1", "q2", "q3"]) {
-        *index = table.index(name)?;
-    }
-    let Some(constant) = rigid_body_from_isb(body.segment) else {
-        return Err(InputError::new(&body.path, "has no known axes").remedy("remove the file"));
-    };
-    let mut position = Vec::with_capacity(table.rows.len());
-    let mut rotation = Vec::with_capacity(table.rows.len());
-    for (i, row) in table.rows.iter().enumerate() {
-        let [x, y, z, q0, q1, q2, q3] = columns.map(|c| row[c]);
-        position.push(Vec3::new(x, y, z));
-        let turned = unit(q3, q0, q1, q2).map_err(|norm| {
-            InputError::new(
-                &body.path,
-                format!("row {} (frame {i}): the quaternion has norm {norm:.3}, not 1", i + 1),
-            )
-            .remedy("remove the row from the files of all bodies, or repair it")
-        })?;
-        rotation.push(turned * constant);
-    }
-    make_continuous(&mut rotation);
-    Ok(SegmentTrack { name: body.segment.to_owned(), position, rotation })
-}
-
-/// Medians over time, because the solved skeleton stretches a little.
-fn segment_lengths(recording: &Recording) -> Vec<(String, f64)> {
-    let offset = |from: &str, to: &str| -> Option<Vec3> {
-        let (a, b) = (recording.segment(from)?, recording.segment(to)?);
-        let local: Vec<Vec3> = (0..recording.frames())
-            .map(|i| a.rotation[i].inverse() * (b.position[i] - a.position[i]))
-            .collect();
-        let middle = |axis: usize| {
-            let values: Vec<f64> = local.iter().map(|v| v[axis]).collect();
-            quantile(&values, 0.5)
-        };
-        Some(Vec3::new(middle(0), middle(1), middle(2)))
-    };
-    let mut lengths: Vec<(String, f64)> = NEXT
-        .iter()
-        .filter_map(|(segment, next)| Some(((*segment).to_owned(), offset(segment, next)?.norm())))
-        .collect();
-    // Clavicle axes are parallel to those of the trunk in the zero pose, so that offsets add up.
-    let mut joint = |side: &str| -> Option<Vec3> {
-        let clavicle = format!("{side}Shoulder");
-        let out = offset(&clavicle, &format!("{side}UpperArm"))?;
-        lengths.push((clavicle.clone(), out.norm()));
-        Some(offset("T8", &clavicle)? + out)
-    };
-    if let (Some(right), Some(left)) = (joint("Right"), joint("Left")) {
-        lengths.push(("ShoulderToShoulder".to_owned(), (right - left).norm()));
-    }
-    lengths
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
     use miette::Diagnostic as _;
+
+    const SUFFIX: &str = "_pose_saved.csv";
+
+    fn bodies() -> Vec<String> {
+        let map = Map::shipped(SHIPPED).unwrap();
+        map.columns().iter().map(|p| p.body.clone().unwrap()).collect()
+    }
 
     /// A person whose bodies are all parallel, facing +x (x left = +y), for a few frames.
     fn write_person(folder: &Path, person: &str) {
         let facing = "0,0,0.7071068,0.7071068";
-        for (i, (body, _)) in BODIES.iter().enumerate() {
+        for (i, body) in bodies().iter().enumerate() {
             let sign = if i % 2 == 0 { "" } else { "-" };
             let flipped: Vec<String> = facing.split(',').map(|v| format!("{sign}{v}")).collect();
             let rows = [facing.to_owned(), flipped.join(","), facing.to_owned()]
@@ -296,10 +246,10 @@ mod tests {
         for (text, expected) in [
             (good.replacen("0.1", "nan", 1), "line 2, column `x`"),
             (good.replacen("0.1", "", 1), "line 2, column `x`"),
-            (format!("{header}0,0,0,0,0,0,0.5\n"), "norm 0.500"),
+            (good.replacen("0.7071068", "0", 1), "row 1 (frame 0): the quaternion has norm 0.707"),
             (format!("{header}0,0,0,0,0,0,1\n"), "holds 1 rows"),
             (header.to_owned(), "no rows"),
-            (good.replacen("q3", "w", 1), "column `q3` is missing"),
+            (good.replacen("q3", "w", 1), "has no column `q3`"),
         ] {
             std::fs::write(&path, text).unwrap();
             let error = read_rigid_bodies(room.path(), None, 100.0).unwrap_err();

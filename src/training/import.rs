@@ -5,10 +5,14 @@
 //! ```
 
 mod findings;
+mod look;
 mod quality;
+mod quality_file;
 mod sizes;
 
+pub use look::MotionLook;
 pub use quality::{Drift, Residuals, SegmentQuality, drift};
+pub use quality_file::{QUALITY_FILE, QualityRow, read_quality};
 pub use sizes::{PartSize, Sizes};
 
 use super::dataset::Trial;
@@ -17,22 +21,9 @@ use super::people::sized;
 use super::source::{Source, Whom, from_recording};
 use crate::files::InputError;
 use crate::human::{Body, Coupled, Pelvis, Side};
-use crate::recording::{Map, Recording, Run, read_runs};
+use crate::recording::{Map, Reading, Recording, Run, read_runs};
 use rayon::prelude::*;
 use std::path::PathBuf;
-
-/// Columns of the table of quality: a constant part, and what it leaves.
-const QUALITY_COLUMNS: [&str; 9] = [
-    "file",
-    "run",
-    "segment",
-    "constant_mm",
-    "scatter_median_mm",
-    "scatter_p95_mm",
-    "constant_deg",
-    "scatter_median_deg",
-    "scatter_p95_deg",
-];
 
 /// What is to be imported, and as whom.
 #[derive(Debug, Clone, Copy)]
@@ -97,8 +88,9 @@ pub struct ImportedRun {
 /// # Errors
 /// Where a file cannot be read or fitted, or is given twice.
 pub fn import(request: &ImportRequest) -> Result<Import, InputError> {
+    let how = Reading { person: request.person, map: request.map, body: request.body };
     let read: Result<Vec<Vec<Run>>, InputError> =
-        request.files.par_iter().map(|path| read_runs(path, request.person, request.map)).collect();
+        request.files.par_iter().map(|path| read_runs(path, &how)).collect();
     let read = read?;
     let recordings: Vec<Recording> =
         read.iter().flatten().map(|run| run.recording.clone()).collect();
@@ -201,31 +193,4 @@ fn with_steps(text: &str, steps: &[bool]) -> String {
         with.push('\n');
     }
     with
-}
-
-impl Import {
-    /// The quality of every segment of every run as CSV.
-    ///
-    /// # Errors
-    /// Only where the table cannot be held in memory.
-    pub fn quality_csv(&self) -> Result<Vec<u8>, InputError> {
-        let fault = |e: String| InputError::fault("quality.csv", e);
-        let mut table = csv::Writer::from_writer(Vec::new());
-        table.write_record(QUALITY_COLUMNS).map_err(|e| fault(e.to_string()))?;
-        for file in &self.files {
-            for (i, run) in file.runs.iter().enumerate() {
-                for segment in &run.segments {
-                    let mut cells =
-                        vec![file.name.clone(), (i + 1).to_string(), segment.segment.clone()];
-                    let [mm, deg] = [&segment.place_mm, &segment.turn_deg];
-                    for part in [mm, deg] {
-                        let figures = [part.constant, part.median, part.p95];
-                        cells.extend(figures.map(|v| format!("{v:.3}")));
-                    }
-                    table.write_record(cells).map_err(|e| fault(e.to_string()))?;
-                }
-            }
-        }
-        table.into_inner().map_err(|e| fault(e.to_string()))
-    }
 }

@@ -4,7 +4,7 @@ use super::fit::{FitSettings, fit};
 use crate::human::{Body, Side};
 use crate::kinematics::{Frames, Linkage, Tip};
 use crate::math::{Pose, Vec3};
-use crate::recording::{Recording, read_map, read_with};
+use crate::recording::{Reading, Recording, read_map, read_with};
 use nalgebra::UnitQuaternion;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -129,7 +129,8 @@ fn read(text: &str, map: &str) -> Recording {
     let (file, map_file) = (room.path().join("places.csv"), room.path().join("map.toml"));
     std::fs::write(&file, text).unwrap();
     std::fs::write(&map_file, map).unwrap();
-    read_with(&file, None, Some(&read_map(&map_file).unwrap())).unwrap()
+    let map = read_map(&map_file).unwrap();
+    read_with(&file, &Reading { map: Some(&map), ..Reading::default() }).unwrap()
 }
 
 fn body() -> Body {

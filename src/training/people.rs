@@ -32,7 +32,7 @@ pub use super::standing::StandingScore;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;
-use crate::recording::{Map, Recording, read_with};
+use crate::recording::{Map, Reading, Recording, read_with};
 use rayon::prelude::*;
 use seen::{from_upright, recorded};
 use std::path::PathBuf;
@@ -101,8 +101,9 @@ impl Person {
 
 fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
     let map = entry.map.as_ref();
+    let how = Reading { person: None, map, body: entry.body.as_ref() };
     let recordings: Result<Vec<Recording>, InputError> =
-        entry.recordings.par_iter().map(|path| read_with(path, None, map)).collect();
+        entry.recordings.par_iter().map(|path| read_with(path, &how)).collect();
     let recordings = recordings?;
     let body = match &entry.body {
         Some(body) => body.clone(),

@@ -1,12 +1,9 @@
 //! How the spine's joints share the turn of the trunk where a recording does not tell them apart.
 
-use crate::human::{PostureLimits, Side};
+use crate::human::{PostureLimits, SPINE_SHARES, Side};
 use crate::kinematics::Linkage;
 use nalgebra::{DMatrix, DVector};
 
-/// Flexion of the spine joints from the pelvis up, relative to the first: measured slopes of
-/// inertial motion-capture systems.
-const FLEXION_SHARES: [f64; 4] = [1.0, 0.44, 0.44, 0.33];
 const SPINE: [&str; 4] = ["jL5S1", "jL4L3", "jL1T12", "jT9T8"];
 
 /// Hessian (for sd 1) of the pull that splits the trunk's turn over the spine joints, per axis
@@ -29,7 +26,7 @@ pub(super) fn sharing(
         let columns: Vec<usize> =
             SPINE.iter().filter_map(|j| column(&format!("{j}_{axis}"))).collect();
         let raw: Vec<f64> = if axis == "Z" {
-            FLEXION_SHARES.to_vec()
+            SPINE_SHARES.to_vec()
         } else {
             columns.iter().map(|&c| limits.upper[c] - limits.lower[c]).collect()
         };

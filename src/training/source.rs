@@ -8,7 +8,7 @@ use super::over_feet::{OverFeet, over_feet};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
-use crate::recording::{Map, Recording, Remark, grouped, read_with};
+use crate::recording::{Map, Reading, Recording, Remark, grouped, read_with};
 use std::path::{Path, PathBuf};
 
 /// Joints from the pelvis to a grip.
@@ -27,6 +27,13 @@ pub struct Whom<'a> {
     pub pelvis: Option<Pelvis>,
     /// What makes markers the segments of a person.
     pub map: Option<&'a Map>,
+}
+
+impl<'a> Whom<'a> {
+    /// How recordings are read.
+    pub(super) fn reading(&self) -> Reading<'a> {
+        Reading { person: self.person, map: self.map, body: Some(self.body) }
+    }
 }
 
 /// What one recording gave.
@@ -103,7 +110,7 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
     if is_csv && !path.is_dir() && whom.map.is_none() {
         return from_angles(path, whom);
     }
-    from_recording(&read_with(path, whom.person, whom.map)?, whom)
+    from_recording(&read_with(path, &whom.reading())?, whom)
 }
 
 /// Fits the body to a recording.

@@ -312,3 +312,167 @@ fn the_idle_hand_is_a_question() {
     let done = import(&[&file], room.path(), &["--pelvis", "rests", "--side", "left"]);
     assert!(!done["warnings"].to_string().contains("did you mean"), "{done}");
 }
+
+/// Coordinates of a person who stoops, bends the knees and lifts both forearms three times, 6 s at 50 Hz; without
+/// arms as gait2392 has them.
+fn coordinates(folder: &Path, has_arms: bool) -> PathBuf {
+    let mut columns: Vec<(&str, f64, f64)> = vec![
+        ("pelvis_tilt", -10.0, 10.0),
+        ("pelvis_list", 0.0, 0.0),
+        ("pelvis_rotation", 0.0, 0.0),
+        ("pelvis_tx", 0.1, 0.02),
+        ("pelvis_ty", 0.93, -0.04),
+        ("pelvis_tz", 0.0, 0.0),
+        ("lumbar_extension", -15.0, -10.0),
+        ("lumbar_bending", 1.0, 2.0),
+        ("lumbar_rotation", 0.0, 3.0),
+    ];
+    for (name, middle, by) in [
+        ("hip_flexion_r", 25.0, 15.0),
+        ("hip_flexion_l", 25.0, 15.0),
+        ("knee_angle_r", -25.0, -15.0),
+        ("knee_angle_l", -25.0, -15.0),
+        ("ankle_angle_r", 5.0, 3.0),
+        ("ankle_angle_l", 5.0, 3.0),
+    ] {
+        columns.push((name, middle, by));
+    }
+    if has_arms {
+        columns.extend([
+            ("arm_flex_r", 30.0, 20.0),
+            ("arm_add_r", -15.0, 5.0),
+            ("arm_rot_r", 5.0, 5.0),
+            ("elbow_flex_r", 60.0, 30.0),
+            ("pro_sup_r", 60.0, 10.0),
+        ]);
+    }
+    let mut text =
+        String::from("Coordinates\nversion=1\nnRows=300\ninDegrees=yes\nendheader\ntime");
+    for (name, ..) in &columns {
+        let _ = write!(text, "\t{name}");
+    }
+    for i in 0..300 {
+        let phase = std::f64::consts::TAU * f64::from(i) / 100.0;
+        let _ = write!(text, "\n{}", f64::from(i) / 50.0);
+        for (_, middle, by) in &columns {
+            let _ = write!(text, "\t{}", middle + by * phase.sin());
+        }
+    }
+    let file = folder.join("lift.mot");
+    std::fs::write(&file, text + "\n").unwrap();
+    file
+}
+
+#[test]
+fn coordinates_of_opensim_go_the_whole_way() {
+    let room = tempfile::tempdir().unwrap();
+    let file = coordinates(room.path(), true);
+    let told = contains("OpenSim")
+        .and(contains("wrist_flex_r, wrist_dev_r (RightHand: taken as in line"))
+        .and(contains("put on the body `male_p50`"))
+        .and(contains("bending is counted negative"));
+    ergopath().arg("check").arg(&file).assert().success().stdout(told);
+    let done = import(&[&file], room.path(), &["--body", "female_p50"]);
+    assert!(hand_mm(&done) < 10.0, "{}", hand_mm(&done));
+    let run = &done["files"][0]["runs"][0];
+    for segment in run["segments"].as_array().unwrap() {
+        let off = segment["turn_deg"]["p95"].as_f64().unwrap();
+        assert!(off < 3.0, "{segment}");
+    }
+    // The whole person, as both legs are there.
+    let motion = std::fs::read_to_string(room.path().join("out/lift.csv")).unwrap();
+    assert!(motion.contains("pelvis_up_m") && motion.contains(",stepping"), "{}", &motion[..300]);
+    ergopath().arg("score").arg(&file).args(["--body", "female_p50"]).assert().success();
+    let model = room.path().join("m.json");
+    ergopath()
+        .arg("train")
+        .arg(&file)
+        .args(["--body", "female_p50", "--method", "plain-ik", "-o"])
+        .arg(&model)
+        .assert()
+        .success();
+    let text = std::fs::read_to_string(&model).unwrap();
+    assert!(text.contains("put on the body `female_p50`"), "a model says on which body");
+    let people = room.path().join("people.toml");
+    let entry = "[[person]]\nname = \"p1\"\nrecordings = [\"*.mot\"]\n";
+    std::fs::write(&people, format!("schema = \"ergopath/people/1\"\n{entry}")).unwrap();
+    ergopath().arg("check").arg(&people).assert().success().stdout(contains("1 recordings"));
+}
+
+#[test]
+fn coordinates_without_arms_are_explained_and_not_fitted() {
+    let room = tempfile::tempdir().unwrap();
+    let file = coordinates(room.path(), false);
+    let told = contains("RightUpperLeg").and(contains("left out: RightUpperArm"));
+    ergopath().arg("check").arg(&file).assert().success().stdout(told);
+    let mut command = ergopath();
+    command.arg("import").arg(&file).arg("-o").arg(room.path().join("o"));
+    assert_refused(&mut command, "has no segment `RightHand`");
+    // A map of another kind, and a name that is nearly one of a map.
+    command.args(["--map", "plug_in_gait"]);
+    assert_refused(&mut command, "holds no markers");
+    let mut command = ergopath();
+    command.arg("check").arg(&file).args(["--map", "open_sim"]);
+    assert_refused(&mut command, "did you mean `opensim`?");
+}
+
+#[test]
+fn an_import_is_drawn_and_inspected_again() {
+    let room = tempfile::tempdir().unwrap();
+    let (file, map) = places(room.path(), 100..130);
+    let out = room.path().join("out");
+    let first = room.path().join("first.png");
+    let mut command = ergopath();
+    command.arg("import").arg(&file).arg("--map").arg(&map).arg("-o").arg(&out);
+    let mut wrong = ergopath();
+    wrong.arg("import").arg(&file).arg("--map").arg(&map).arg("-o").arg(&out);
+    assert_refused(wrong.args(["--figure", "a.jpg"]), "PNG");
+    assert!(!out.exists(), "nothing is written beside an error");
+    let printed = command.arg("--figure").arg(&first).assert().success();
+    let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
+    let again = room.path().join("again.png");
+    let motion = out.join("lift.csv");
+    let shown =
+        ergopath().arg("inspect").arg(&motion).arg("--figure").arg(&again).assert().success();
+    let shown = String::from_utf8(shown.get_output().stdout.clone()).unwrap();
+    // The same rows of the same table.
+    let rows = |text: &str| -> Vec<String> {
+        let of = |l: &&str| l.trim_start().starts_with("Right") && l.contains(" deg");
+        text.lines()
+            .filter(of)
+            .map(|l| l.split_whitespace().collect::<Vec<_>>().join(" "))
+            .collect()
+    };
+    assert!(rows(&shown).len() >= 6, "{shown}");
+    assert_eq!(rows(&shown), rows(&printed));
+    for picture in [&first, &again] {
+        assert!(std::fs::read(picture).unwrap().starts_with(b"\x89PNG"));
+    }
+    let json = ergopath().arg("inspect").arg(&motion).arg("--json").assert().success();
+    let json: Value = serde_json::from_slice(&json.get_output().stdout).unwrap();
+    assert_eq!(json["runs"].as_array().unwrap().len(), 2);
+    assert_eq!(json["runs"][0]["segments"].as_array().unwrap().len(), 4);
+    // What else may be there.
+    std::fs::write(out.join("quality.csv"), "a,b\n1,2\n").unwrap();
+    assert_refused(ergopath().arg("inspect").arg(&motion), "no row of the quality");
+    std::fs::remove_file(out.join("quality.csv")).unwrap();
+    ergopath().arg("inspect").arg(&motion).assert().success().stdout(contains("no residuals"));
+    std::fs::remove_file(out.join("body.urdf")).unwrap();
+    assert_refused(ergopath().arg("inspect").arg(&motion), "say with --body");
+    assert_refused(ergopath().args(["inspect", "a.urdf"]), "add --chain BASE:TIP");
+    assert_refused(ergopath().arg("inspect").arg(&file), "add --chain BASE:TIP");
+}
+
+#[test]
+fn shipped_maps_are_explained() {
+    for (name, kind) in [
+        ("opensim", "columns"),
+        ("rigid_bodies", "columns"),
+        ("plug_in_gait", "markers"),
+        ("qualisys_sports", "markers"),
+    ] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("models/maps/{name}.toml"));
+        let told = contains(format!("a map from {kind} to segments"));
+        ergopath().arg("check").arg(file).assert().success().stdout(told);
+    }
+}

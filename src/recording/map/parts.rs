@@ -45,29 +45,21 @@ pub(super) fn make(
         }
     }
     let mut straight = 0;
-    let mut along = |direction: &Direction| -> Result<Vec<Vec3>, Unmade> {
-        Ok(match &direction.source {
-            Source::Between([from, to]) => {
-                let [from, to] = [from, to].map(|m| ends(m, part, &joint, places, made, frames));
-                to.iter().zip(from).map(|(to, from)| to - from).collect()
-            }
-            Source::As(name) => {
-                let axis = Vec3::ith(direction.axis, 1.0);
-                let turns = made.get(name).map(|m| m.rotation.as_slice()).unwrap_or_default();
-                turns.iter().map(|turn| turn * axis).collect()
-            }
-            Source::Hinge(means) => {
-                let [a, b, c] =
-                    means.each_ref().map(|m| ends(m, part, &joint, places, made, frames));
-                let bends: Vec<Vec3> = (0..frames).map(|i| bend(a[i], b[i], c[i])).collect();
-                let (axes, unknown) = steady(&bends).ok_or(Unmade::Straight)?;
-                straight = unknown;
-                axes
-            }
-        })
+    if let Some((source, by)) = &part.offset_along {
+        let (axes, unknown) = along(source, 0, (part, &joint), places, made, frames)?;
+        straight = unknown;
+        for (at, axis) in joint.iter_mut().zip(&axes) {
+            *at += *by * axis.try_normalize(1e-9).unwrap_or_default();
+        }
+    }
+    let mut of = |direction: &Direction| -> Result<Vec<Vec3>, Unmade> {
+        let own = (part, joint.as_slice());
+        let (axes, unknown) = along(&direction.source, direction.axis, own, places, made, frames)?;
+        straight = straight.max(unknown);
+        Ok(axes)
     };
-    let exact = along(&part.exact)?;
-    let near = along(&part.near)?;
+    let exact = of(&part.exact)?;
+    let near = of(&part.near)?;
     let mut rotation: Vec<UnitQuaternion<f64>> = Vec::with_capacity(frames);
     let near_axis = Vec3::ith(part.near.axis, 1.0);
     let mut before: Option<Vec3> = None;
@@ -87,6 +79,33 @@ pub(super) fn make(
         }
     }
     Ok(Made { joint, rotation, straight })
+}
+
+/// A direction over time, and in how many frames a hinge was too straight to tell it; `axis` is the one of another
+/// segment that is taken.
+fn along(
+    source: &Source,
+    axis: usize,
+    (part, joint): (&Part, &[Vec3]),
+    places: &Places,
+    made: &BTreeMap<String, Made>,
+    frames: usize,
+) -> Result<(Vec<Vec3>, usize), Unmade> {
+    let at = |m: &Mean| ends(m, part, joint, places, made, frames);
+    Ok(match source {
+        Source::Between([from, to]) => {
+            (at(to).iter().zip(at(from)).map(|(to, from)| to - from).collect(), 0)
+        }
+        Source::As(name) => {
+            let turns = made.get(name).map(|m| m.rotation.as_slice()).unwrap_or_default();
+            (turns.iter().map(|turn| turn * Vec3::ith(axis, 1.0)).collect(), 0)
+        }
+        Source::Hinge(means) => {
+            let [a, b, c] = means.each_ref().map(at);
+            let bends: Vec<Vec3> = (0..frames).map(|i| bend(a[i], b[i], c[i])).collect();
+            steady(&bends).ok_or(Unmade::Straight)?
+        }
+    })
 }
 
 /// The place at one end of a direction. Where that is what the joint is told from, it is the joint, with

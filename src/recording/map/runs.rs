@@ -3,22 +3,20 @@
 use super::fill::{Filled, fill};
 use super::parts::{Made, Places, Unmade, make};
 use super::remarks::{self, Taken};
+use super::vertical::{SAY_UP, Up, vertical};
 use super::{Map, Part};
 use crate::files::{InputError, suggest};
 use crate::math::{Vec3, stats};
-use crate::recording::axes::{lengths_between, upright};
+use crate::recording::axes::lengths_between;
 use crate::recording::checks::{make_continuous, note_oddities, sort_segments};
 use crate::recording::{Markers, Recording, SegmentTrack};
 use nalgebra::UnitQuaternion;
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 use std::path::Path;
 
 /// Shortest run that is kept, s, and frames: less is no movement.
 const SHORTEST_S: f64 = 0.25;
 const FEWEST_FRAMES: usize = 8;
-/// Share of a person's mean direction along an axis beyond which that axis is the vertical.
-const MOSTLY: f64 = 0.8;
 
 /// A part of a file without gaps.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,12 +167,6 @@ fn never_whole(path: &Path, tracks: &Tracks, frames: usize, rate_hz: f64) -> Inp
         .remedy("map other markers, leave out the segment, or fill gaps in the capture program")
 }
 
-/// From the file's axes to those of a recording.
-struct Up {
-    turn: UnitQuaternion<f64>,
-    word: String,
-}
-
 /// The vertical: stated, or the axis along which the trunk stands.
 fn up(
     origin: &Origin,
@@ -183,15 +175,9 @@ fn up(
     tracks: &Tracks,
     spans: &[(usize, usize)],
 ) -> Result<Up, InputError> {
-    if let Some((axis, backwards)) = map.up {
-        return Ok(Up {
-            turn: towards(axis, backwards),
-            word: format!("the map says that {} is up", named(axis, backwards)),
-        });
+    if map.up.is_some() {
+        return vertical(origin.path, map.up, Vec3::zeros());
     }
-    let unknown = |found: String| {
-        InputError::new(origin.path, found).remedy("say which axis is up: up = \"z\" under [map]")
-    };
     let mut sum = Vec3::zeros();
     let mut count = 0;
     for (from, to) in spans {
@@ -204,34 +190,17 @@ fn up(
             }
         }
         let (Some(pelvis), Some(thorax)) = (made.get("Pelvis"), made.get("T8")) else {
-            return Err(unknown("holds no pelvis and T8 that tell what is up".to_owned()));
+            return Err(InputError::new(
+                origin.path,
+                "holds no pelvis and T8 that tell what is up",
+            )
+            .remedy(SAY_UP));
         };
         let tall = thorax.joint.iter().zip(&pelvis.joint).map(|(t, p)| t - p);
         sum += tall.map(|v| v.try_normalize(0.0).unwrap_or_default()).sum::<Vec3>();
         count += to - from;
     }
-    let mean = sum / count.max(1) as f64;
-    let axis = mean.abs().imax();
-    let backwards = mean[axis] < 0.0;
-    if mean[axis].abs() < MOSTLY {
-        return Err(unknown("stoops too much to tell what is up".to_owned()));
-    }
-    let word = format!(
-        "{} is taken as up: the trunk points along it, {:.0} deg off on average",
-        named(axis, backwards),
-        mean[axis].abs().min(1.0).acos().to_degrees()
-    );
-    Ok(Up { turn: towards(axis, backwards), word })
-}
-
-/// Turns an axis of the file upwards.
-fn towards(axis: usize, backwards: bool) -> UnitQuaternion<f64> {
-    let turn = upright(axis);
-    if backwards { UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI) * turn } else { turn }
-}
-
-fn named(axis: usize, backwards: bool) -> String {
-    format!("{}{}", if backwards { "-" } else { "" }, ["x", "y", "z"][axis])
+    vertical(origin.path, None, sum / count.max(1) as f64)
 }
 
 /// Places of markers over time by their names, none where they were not seen.

@@ -237,12 +237,60 @@ fn faults_of_a_map_are_named() {
             "made of each other",
         ),
         ("", TRUNK.replace("as Pelvis", "as Head"), "needs the segment Head"),
+        (
+            "",
+            whole.replace(
+                "joint = \"T10\"",
+                "joint = \"T10\"\noffset_along = { direction = [\"A\", \"B\"], mm = 900 }",
+            ),
+            "900 mm are too many",
+        ),
+        (
+            "",
+            whole.replace(
+                "joint = \"T10\"",
+                "joint = \"T10\"\noffset_along = { direction = \"as Pelvis\", mm = 9 }",
+            ),
+            "offset_along names a segment",
+        ),
         ("up = \"w\"", whole.clone(), "up = `w`"),
         ("longest_gap_s = 3", whole.clone(), "longest_gap_s = 3"),
         ("unit = \"furlong\"", whole.clone(), "`furlong` is unknown"),
         ("rate_hz = 0", whole.clone(), "0 is no rate"),
         ("points = [\"a\", \"a\"]", whole.clone(), "point `a` is there twice"),
         ("colour = 1", whole.clone(), "colour"),
+    ] {
+        let shown = said(general, &segments);
+        let flat = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(flat.contains(expected), "`{expected}` is missing in {flat}");
+    }
+    let turned = "[segment.Pelvis]\nturns = [\"a about up\"]\nplace = [\"x\", \"y\", \"z\"]\n";
+    for (general, segments, expected) in [
+        ("base = \"opensimm\"", String::new(), "did you mean `opensim`?"),
+        ("angle_unit = \"gon\"", turned.to_owned(), "angle_unit `gon` is unknown"),
+        ("files = \"{body}.csv\"", turned.to_owned(), "{person} and {body} in it, once each"),
+        ("", format!("{turned}{ARM}"), "told in another way"),
+        ("base = \"opensim\"", TRUNK.to_owned(), "told in another way"),
+        ("", turned.replace("about up", "up"), "`a up` is no turn"),
+        ("", turned.replace("about up", "about w"), "names no axis"),
+        (
+            "",
+            turned.replace("\"a about up\"", "{ by = \"a\", about = [0, 0, 0] }"),
+            "names no axis",
+        ),
+        (
+            "",
+            turned.replace("\"a about up\"", "{ by = \"a\", about = \"x\", offset_deg = 300 }"),
+            "offset_deg = 300 is too large",
+        ),
+        ("", turned.replace("\"a about up\"", "3"), "no turn: give"),
+        ("", format!("{turned}joint = \"A\"\n"), "`joint` is told by markers"),
+        ("", format!("{turned}rotation_vector = [\"a\", \"b\", \"c\"]\n"), "several keys tell"),
+        ("", format!("{turned}axes = [\"x\", \"y\", \"-z\"]\n"), "those of no turn"),
+        ("", format!("{turned}axes = [\"x\", \"y\", \"q\"]\n"), "axes name no axis"),
+        ("", turned.replace("turns = [\"a about up\"]\n", ""), "nothing tells how it is turned"),
+        ("", turned.replace("\"a about", "\"{body}a about"), "`{body}` stands for nothing"),
+        ("", "[segment.Pelvis]\n".to_owned(), "nothing tells where it is"),
     ] {
         let shown = said(general, &segments);
         let flat = shown.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -20,9 +20,12 @@ const SKIPPED: &str = "-";
 const LARGEST: f64 = 1e9;
 /// Largest departure of a time step from the mean one, as a part of it.
 const STEP_TOLERANCE: f64 = 0.05;
-const NEEDS_UNIT: &str =
+/// Names of a column of times, s.
+pub(in crate::recording) const TIMES: [&str; 2] = ["time_s", "time"];
+pub(in crate::recording) const NEEDS_UNIT: &str =
     "say under [map] what one of its numbers is: unit = \"mm\", or \"m\", \"cm\" ..";
-const NEEDS_RATE: &str = "say under [map] how many rows a second has: rate_hz = 100";
+pub(in crate::recording) const NEEDS_RATE: &str =
+    "say under [map] how many rows a second has: rate_hz = 100";
 
 /// Reads a table with what a map says of it.
 pub(in crate::recording) fn read(
@@ -190,7 +193,7 @@ fn with_header(path: &Path, bytes: &[u8], map: &TableMap) -> Result<Markers, Inp
     let unit_m = map
         .unit_m
         .ok_or_else(|| InputError::new(path, "does not say its unit").remedy(NEEDS_UNIT))?;
-    let time = columns.iter().position(|c| ["time_s", "time"].contains(&c.to_lowercase().as_str()));
+    let time = columns.iter().position(|c| TIMES.contains(&c.to_lowercase().as_str()));
     let (mut positions, mut times) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.map_err(|e| text.broken(path, &e))?;
@@ -249,7 +252,7 @@ fn triples(columns: &[&str]) -> Vec<(String, [usize; 3])> {
 }
 
 /// Rows per second of uniform times (s).
-fn rate_of(times: &[f64], rows: usize) -> Option<f64> {
+pub(in crate::recording) fn rate_of(times: &[f64], rows: usize) -> Option<f64> {
     if times.len() != rows || rows < 2 {
         return None;
     }
@@ -267,7 +270,12 @@ mod tests {
     use super::*;
 
     fn map(points: &[&str], unit_m: Option<f64>, rate_hz: Option<f64>) -> TableMap {
-        TableMap { points: points.iter().map(|p| (*p).to_owned()).collect(), unit_m, rate_hz }
+        TableMap {
+            points: points.iter().map(|p| (*p).to_owned()).collect(),
+            unit_m,
+            rate_hz,
+            ..TableMap::default()
+        }
     }
 
     fn parse(text: &str, map: &TableMap) -> Result<Markers, String> {
