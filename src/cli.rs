@@ -36,9 +36,11 @@ mod experiment_size;
 mod import;
 mod import_print;
 mod inspect;
+mod new;
 mod plan;
 mod plan_print;
 mod progress;
+mod questions;
 mod report;
 mod schema;
 mod score;
@@ -70,6 +72,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Writes a commented scenario from a handful of answers, asked on the terminal or given as options.
+    New(new::Args),
     /// Explains a file that ergopath reads or writes; of a scenario, what is in reach and what is assumed.
     Check(check::Args),
     /// Shows a chain of a URDF: joints, limits, and pose and Jacobian for given postures.
@@ -158,6 +162,7 @@ pub fn main() -> ExitCode {
     };
     let outputs = Outputs::new(cli.overwrite);
     let result = match cli.command {
+        Command::New(args) => new::run(&args, outputs),
         Command::Check(args) => check::run(&args, outputs),
         Command::Inspect(args) => inspect::run(&args),
         Command::Body(args) => body::run(&args, outputs),

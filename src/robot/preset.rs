@@ -6,7 +6,7 @@ use serde::Deserialize;
 use std::path::Path;
 
 /// Names that [`Robot::preset`] knows.
-pub const PRESETS: [&str; 4] = ["panda", "fr3", "ur5e", "ur10e"];
+pub const PRESETS: [&str; 6] = ["panda", "fr3", "ur3e", "ur5e", "ur10e", "ur20"];
 const SCHEMA: &str = "ergopath/robot/1";
 
 /// The TOML beside a preset's URDF.
@@ -46,6 +46,14 @@ pub(super) fn load(name: &str) -> Result<Robot, InputError> {
         "fr3" => (
             include_str!("../../models/robot/fr3.urdf"),
             include_str!("../../models/robot/fr3.toml"),
+        ),
+        "ur20" => (
+            include_str!("../../models/robot/ur20.urdf"),
+            include_str!("../../models/robot/ur20.toml"),
+        ),
+        "ur3e" => (
+            include_str!("../../models/robot/ur3e.urdf"),
+            include_str!("../../models/robot/ur3e.toml"),
         ),
         "ur10e" => (
             include_str!("../../models/robot/ur10e.urdf"),
@@ -168,6 +176,30 @@ mod tests {
         ur_by_table(table, q)
     }
 
+    fn ur3e_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.0, 0.15185, FRAC_PI_2),
+            (-0.24355, 0.0, 0.0),
+            (-0.2132, 0.0, 0.0),
+            (0.0, 0.13105, FRAC_PI_2),
+            (0.0, 0.08535, -FRAC_PI_2),
+            (0.0, 0.0921, 0.0),
+        ];
+        ur_by_table(table, q)
+    }
+
+    fn ur20_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.0, 0.2363, FRAC_PI_2),
+            (-0.862, 0.0, 0.0),
+            (-0.7287, 0.0, 0.0),
+            (0.0, 0.201, FRAC_PI_2),
+            (0.0, 0.1593, -FRAC_PI_2),
+            (0.0, 0.1543, 0.0),
+        ];
+        ur_by_table(table, q)
+    }
+
     fn ur5e_by_table(q: &[f64]) -> Matrix4<f64> {
         let table = [
             (0.0, 0.1625, FRAC_PI_2),
@@ -200,8 +232,10 @@ mod tests {
         for (name, table) in [
             ("panda", panda_by_table as Table),
             ("fr3", panda_by_table),
+            ("ur3e", ur3e_by_table),
             ("ur5e", ur5e_by_table),
             ("ur10e", ur10e_by_table),
+            ("ur20", ur20_by_table),
         ] {
             let robot = Robot::preset(name).unwrap();
             for q in postures(&robot) {

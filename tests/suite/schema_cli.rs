@@ -5,13 +5,13 @@ use predicates::str::contains;
 use serde_json::Value;
 use std::path::Path;
 
-fn schema(kind: &str) -> jsonschema::Validator {
+pub(crate) fn schema(kind: &str) -> jsonschema::Validator {
     let output = ergopath().args(["schema", kind]).assert().success().get_output().stdout.clone();
     let schema: Value = serde_json::from_slice(&output).unwrap();
     jsonschema::validator_for(&schema).unwrap()
 }
 
-fn as_json(path: &Path) -> Value {
+pub(crate) fn as_json(path: &Path) -> Value {
     let text = std::fs::read_to_string(path).unwrap();
     serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap()
 }
