@@ -72,6 +72,9 @@ pub(super) struct Args {
     mount_height_m: Option<f64>,
 }
 
+/// Height of the hands below which two of them usually hold a box by its sides, m.
+const LOW_M: f64 = 0.95;
+
 /// Where the tool points.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Tool {
@@ -193,15 +196,17 @@ fn sketch(args: &Args, asker: Option<Asker>) -> Result<(Sketch, Vec<String>), In
     let given_seat = args.seat_height_m.map(Some).or(args.standing.then_some(None));
     let seat_words = ("seat_height_m", "Seat height in metres, or standing");
     let seat_height_m = answers.of(given_seat, seat_words, "standing", seat)?;
-    let usual = if hands == Hands::Both { "box_side" } else { "vertical_handle" };
-    let words = format!("Grip ({})", names(&NamedGrip::names()));
-    let grip = answers.of(args.grip, ("grip", &words), usual, grip)?;
     let [start, goal] = usual_places(hands, seat_height_m);
     let how = "in metres ahead of the worker, to the left, above the floor";
     let words = format!("Place of the hand at the start, {how}");
     let start_m = answers.of(args.from, ("from", &words), &start, place)?;
     let words = format!("Place of the hand at the goal, {how}");
     let goal_m = answers.of(args.to, ("to", &words), &goal, place)?;
+    // Two hands lift a low box by its sides; higher up recorded people hold upright handles more easily.
+    let is_low = seat_height_m.is_none() && start_m[2].min(goal_m[2]) < LOW_M;
+    let usual = if hands == Hands::Both && is_low { "box_side" } else { "vertical_handle" };
+    let words = format!("Grip ({})", names(&NamedGrip::names()));
+    let grip = answers.of(args.grip, ("grip", &words), usual, grip)?;
     let words = ("part_mass_kg", "Mass of the part in kilograms");
     let part_mass_kg = answers.of(args.part_mass_kg, words, "1", number)?;
     let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
@@ -282,7 +287,7 @@ mod tests {
         assert_eq!((sketch.hands, sketch.seat_height_m), (Hands::Left, Some(0.5)));
         assert_eq!((sketch.start_m, sketch.goal_m), ([0.4, 0.25, 0.85], [0.4, -0.1, 0.9]));
         let first: Vec<&str> = asked.iter().map(|a| &a[..4]).collect();
-        assert_eq!(first, ["Robo", "Grip", "Plac", "Mass"]);
+        assert_eq!(first, ["Robo", "Plac", "Grip", "Mass"]);
     }
 
     #[test]

@@ -17,9 +17,9 @@ const BEFORE_M: f64 = 0.12;
 /// The keys of poses as PNG.
 pub fn directions_figure() -> Result<Vec<u8>, ReportError> {
     png("directions", SIZE, |sheet| {
-        tool_from_above(&Picture { sheet, middle: (270.0, 290.0) })?;
+        tool_from_above(&Picture { sheet, middle: (270.0, 270.0) })?;
         tool_at_worker(&Picture { sheet, middle: (800.0, 330.0) })?;
-        base(&Picture { sheet, middle: (1330.0, 400.0) })?;
+        base(&Picture { sheet, middle: (1310.0, 390.0) })?;
         let kind = Type::plain(TICK).colored(MUTED);
         let words =
             "Seen from behind the worker, from the right and from above; the worker looks ahead.";
@@ -59,7 +59,12 @@ impl Picture<'_, '_> {
     }
 
     /// An arrow with its key at the tip.
-    fn arrow(&self, from: Vec3, way: Vec3, key: &str, color: RGBColor) -> Drawn {
+    fn arrow(
+        &self,
+        (from, way): (Vec3, Vec3),
+        (key, color): (&str, RGBColor),
+        anchor: Anchor,
+    ) -> Drawn {
         let (a, b) = (self.at(from), self.at(from + ARROW_M * way));
         let length = (b.0 - a.0).hypot(b.1 - a.1);
         let (ux, uy) = ((b.0 - a.0) / length, (b.1 - a.1) / length);
@@ -68,13 +73,6 @@ impl Picture<'_, '_> {
         let wing =
             |side: f64| (b.0 - 20.0 * ux - side * 9.0 * uy, b.1 - 20.0 * uy + side * 9.0 * ux);
         self.sheet.shape(&[b, wing(1.0), wing(-1.0)], color, 1.0)?;
-        let anchor = if ux > 0.3 {
-            Anchor::Left
-        } else if ux < -0.3 {
-            Anchor::Right
-        } else {
-            Anchor::Middle
-        };
         let off = (b.0 + 12.0 * ux, b.1 + 20.0 * uy);
         self.sheet.label(key, off, Type::bold(TICK).colored(color), anchor)
     }
@@ -92,13 +90,13 @@ fn tool_from_above(p: &Picture) -> Drawn {
     let hand = -BEFORE_M * Vec3::z();
     p.line(&[0.2 * Vec3::z(), Vec3::zeros()], 16.0, STEEL)?;
     p.face(0.2 * Vec3::z(), [Vec3::x(), Vec3::y()], 0.045)?;
-    p.arrow(hand, Vec3::y() * 1.25, "bar_along", ORANGE)?;
+    p.arrow((hand, 1.25 * Vec3::y()), ("bar_along", ORANGE), Anchor::Right)?;
     p.line(&[hand - 0.1 * Vec3::y(), hand + 0.1 * Vec3::y()], 16.0, ORANGE)?;
     p.line(&[Vec3::zeros(), hand], 6.0, STEEL)?;
-    p.arrow(Vec3::zeros(), Vec3::x() * 1.2, "x_along", BLUE)?;
-    p.arrow(hand - 0.02 * Vec3::z(), -0.8 * Vec3::z(), "pointing", VERMILION)?;
-    p.place(Vec3::zeros(), "position_m (TCP)", INK, (-20.0, -14.0), Anchor::Right)?;
-    p.place(hand, "hand_at_m", INK, (24.0, 24.0), Anchor::Left)
+    p.arrow((Vec3::zeros(), 1.2 * Vec3::x()), ("x_along", BLUE), Anchor::Left)?;
+    p.arrow((hand - 0.02 * Vec3::z(), -0.8 * Vec3::z()), ("pointing", VERMILION), Anchor::Middle)?;
+    p.place(Vec3::zeros(), "position_m (TCP)", INK, (-20.0, -26.0), Anchor::Right)?;
+    p.place(hand, "hand_at_m", INK, (26.0, 34.0), Anchor::Left)
 }
 
 fn tool_at_worker(p: &Picture) -> Drawn {
@@ -108,9 +106,9 @@ fn tool_at_worker(p: &Picture) -> Drawn {
     p.face(0.2 * Vec3::x(), [Vec3::z(), Vec3::y()], 0.045)?;
     p.line(&[Vec3::zeros(), hand], 6.0, STEEL)?;
     p.line(&[hand - 0.1 * Vec3::z(), hand + 0.1 * Vec3::z()], 16.0, ORANGE)?;
-    p.arrow(hand + 0.1 * Vec3::z(), 0.5 * Vec3::z(), "bar_along", ORANGE)?;
-    p.arrow(Vec3::zeros(), Vec3::z(), "x_along", BLUE)?;
-    p.arrow(hand - 0.02 * Vec3::x(), -0.8 * Vec3::x(), "pointing", VERMILION)?;
+    p.arrow((hand + 0.1 * Vec3::z(), 0.5 * Vec3::z()), ("bar_along", ORANGE), Anchor::Right)?;
+    p.arrow((Vec3::zeros(), 1.1 * Vec3::z()), ("x_along", BLUE), Anchor::Left)?;
+    p.arrow((hand - 0.02 * Vec3::x(), -0.8 * Vec3::x()), ("pointing", VERMILION), Anchor::Right)?;
     p.place(Vec3::zeros(), "position_m (TCP)", INK, (18.0, 16.0), Anchor::Left)?;
     p.place(hand, "hand_at_m", INK, (-18.0, -10.0), Anchor::Right)
 }
@@ -126,15 +124,15 @@ fn base(p: &Picture) -> Drawn {
     }
     p.line(&[floor, top], 34.0, STEEL)?;
     p.face(top, [Vec3::x(), Vec3::y()], 0.06)?;
-    p.arrow(top, 1.1 * Vec3::z(), "pointing (up without it)", VERMILION)?;
-    p.arrow(top, -1.2 * Vec3::x(), "x_along", BLUE)?;
-    let side = 0.09 * Vec3::y() - 0.09 * Vec3::x();
+    p.arrow((top, 1.1 * Vec3::z()), ("pointing (up without it)", VERMILION), Anchor::Middle)?;
+    p.arrow((top, -1.2 * Vec3::x()), ("x_along", BLUE), Anchor::Right)?;
+    let side = 0.1 * Vec3::x() - 0.06 * Vec3::y();
     p.line(&[floor + side, top + side], 2.0, MUTED)?;
     let (x, y) = p.at(0.5 * top + side);
     let kind = Type::bold(TICK).colored(INK);
-    p.sheet.label("mount_height_m", (x - 10.0, y), kind, Anchor::Right)?;
-    p.place(top, "position_m", INK, (24.0, 10.0), Anchor::Left)?;
-    p.place(floor, "at_m", INK, (18.0, 22.0), Anchor::Left)
+    p.sheet.label("mount_height_m", (x + 10.0, y), kind, Anchor::Left)?;
+    p.place(top, "position_m", INK, (-40.0, -22.0), Anchor::Right)?;
+    p.place(floor, "at_m", INK, (-22.0, 20.0), Anchor::Right)
 }
 
 #[cfg(test)]

@@ -17,9 +17,11 @@ const SCALE: f64 = 620.0;
 const APART_M: f64 = 0.27;
 /// What is held.
 const HELD: RGBColor = RGBColor(150, 110, 60);
-const RIM_PX: f64 = 5.0;
+/// Width of the dark rim around pieces, and how far behind them it lies.
+const RIM_PX: f64 = 2.0;
+const RIM_BEHIND_M: f64 = 0.025;
 /// Length of the pieces by which near and far are told, m.
-const PIECE_M: f64 = 0.012;
+const PIECE_M: f64 = 0.004;
 
 /// A thick line in space.
 struct Stroke3 {
@@ -65,7 +67,7 @@ fn pair(sheet: &Sheet, grip: NamedGrip, corner: At) -> Drawn {
         };
         strokes.extend(hand(grip, side, Vec3::y() * left * APART_M));
     }
-    let middle = (corner.0 + 0.5 * CELL.0, corner.1 + 0.56 * CELL.1);
+    let middle = (corner.0 + 0.5 * CELL.0, corner.1 + 0.58 * CELL.1);
     draw(sheet, &strokes, middle)?;
     let title = Type::bold(LABEL);
     sheet.text(grip.name(), (corner.0 + 0.5 * CELL.0, corner.1 + 34.0), title, Anchor::Middle)?;
@@ -101,7 +103,7 @@ fn hand(grip: NamedGrip, side: Side, at: Vec3) -> Vec<Stroke3> {
     // Forearm and palm; the wrist is 0.09 m from the middle of the grip.
     line(&[[-0.03, 0.10, 0.0], [-0.035, 0.27, 0.0]], 0.056, SHIRT);
     for z in [-0.028, -0.009, 0.009, 0.028] {
-        line(&[[-0.03, 0.10, 0.4 * z], [-0.032, 0.055, 0.9 * z], [-0.032, 0.005, z]], 0.022, skin);
+        line(&[[-0.03, 0.10, 0.4 * z], [-0.032, 0.055, 0.9 * z], [-0.032, 0.005, z]], 0.0215, skin);
     }
     let curled =
         [[-0.032, 0.005], [-0.026, -0.026], [0.004, -0.036], [0.028, -0.018], [0.026, 0.008]];
@@ -138,7 +140,7 @@ fn hand(grip: NamedGrip, side: Side, at: Vec3) -> Vec<Stroke3> {
     };
     for z in [-0.028, -0.009, 0.009, 0.028] {
         let points: Vec<[f64; 3]> = finger.iter().map(|[x, y]| [*x, *y, z]).collect();
-        line(&points, 0.017, skin);
+        line(&points, 0.0155, skin);
     }
     line(&thumb, 0.02, skin);
     match grip {
@@ -153,32 +155,35 @@ fn hand(grip: NamedGrip, side: Side, at: Vec3) -> Vec<Stroke3> {
     all
 }
 
-/// Draws far pieces first.
+/// Draws far pieces first, about the middle of a picture.
 fn draw(sheet: &Sheet, strokes: &[Stroke3], middle: At) -> Drawn {
     let (right, up) = axes();
     let towards_eye = right.cross(&up);
-    let mut pieces: Vec<(f64, At, f64, RGBColor)> = Vec::new();
+    let ends: Vec<At> = strokes.iter().flat_map(|s| [flat(&s.from), flat(&s.to)]).collect();
+    let range = |of: fn(&At) -> f64| {
+        let (low, high) = ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+            (low.min(of(p)), high.max(of(p)))
+        });
+        f64::midpoint(low, high)
+    };
+    let corner = (middle.0 - range(|p| p.0), middle.1 - range(|p| p.1));
+    // A rim lies farther than its piece, so that it parts a piece from what is behind, not from its neighbour.
+    let mut discs: Vec<(f64, At, f64, RGBColor)> = Vec::new();
     for s in strokes {
-        let count = ((s.to - s.from).norm() / (0.3 * PIECE_M)).ceil().max(1.0) as usize;
+        let count = ((s.to - s.from).norm() / PIECE_M).ceil().max(1.0) as usize;
         for k in 0..=count {
             let p = s.from.lerp(&s.to, k as f64 / count as f64);
             let (x, y) = flat(&p);
-            let at = (middle.0 + x, middle.1 + y);
-            pieces.push((towards_eye.dot(&p), at, 0.5 * SCALE * s.width_m, s.color));
+            let at = (corner.0 + x, corner.1 + y);
+            let (depth, radius) = (towards_eye.dot(&p), 0.5 * SCALE * s.width_m);
+            discs.push((depth - RIM_BEHIND_M, at, radius + RIM_PX, INK));
+            discs.push((depth, at, radius, s.color));
         }
     }
-    pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // The rim of a piece goes over what lies farther than the piece before it only.
-    let slice = |depth: f64| (depth / PIECE_M).floor();
-    for layer in pieces.chunk_by(|a, b| slice(a.0) == slice(b.0)) {
-        for (_, at, radius, _) in layer {
-            sheet.shape(&circle(*at, radius + 0.5 * RIM_PX), INK, 0.75)?;
-        }
-        for (_, at, radius, color) in layer {
-            sheet.shape(&circle(*at, *radius), *color, 1.0)?;
-        }
-    }
-    Ok(())
+    discs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    discs
+        .iter()
+        .try_for_each(|(_, at, radius, color)| sheet.shape(&circle(*at, *radius), *color, 1.0))
 }
 
 fn circle((x, y): At, radius: f64) -> Vec<At> {
@@ -202,7 +207,7 @@ fn directions(sheet: &Sheet, corner: At) -> Drawn {
     sheet.disc(middle, 5.0, GRID)?;
     let kind = Type::plain(TICK).colored(MUTED);
     sheet.paragraph(
-        "The worker looks ahead; forearms are grey. Seen from behind, from the right and from above.",
+        "The worker looks ahead; forearms are blue, what is held is brown. Seen from behind, from the right and from above.",
         (corner.0 + 40.0, corner.1 + 0.82 * CELL.1),
         CELL.0 - 70.0,
         kind,

@@ -79,11 +79,14 @@ impl Held {
             is_named,
         };
         let mut seen = Vec::new();
+        let mut turned = Turned::from(start.get_ref());
         if is_named {
-            let tool = held.turn(source, start, "start")?;
+            // The bar is the hand's here, and not the tool's.
+            turned.bar_along = None;
+            let tool = held.turn(source, (start, &turned), "start")?;
             let bar = start.get_ref().bar_along.as_ref();
-            let turned = bar.map(|b| bar_turn(source, b, &files[0], &worker)).transpose()?;
-            let tilt = turned.unwrap_or_default() * worker;
+            let leaning = bar.map(|b| bar_turn(source, b, &files[0], &worker)).transpose()?;
+            let tilt = leaning.unwrap_or_default() * worker;
             for hand in &files {
                 seen.push(named_pose(source, hand, (&tool, &worker, &tilt))?);
             }
@@ -98,7 +101,7 @@ impl Held {
             let hold = hold_of(source, second)?;
             held.second_hand = Some(SecondHand { between: seen[0].inverse() * seen[1], hold });
         }
-        held.start = held.pose(source, start, "start")?;
+        held.start = held.placed(source, (start, &turned), "start")?;
         Ok(held)
     }
 
@@ -116,7 +119,16 @@ impl Held {
         at: &Spanned<TcpFile>,
         key: &str,
     ) -> Result<Pose, InputError> {
-        let turn = self.turn(source, at, key)?;
+        self.placed(source, (at, &Turned::from(at.get_ref())), key)
+    }
+
+    fn placed(
+        &self,
+        source: &Source,
+        (at, turned): (&Spanned<TcpFile>, &Turned),
+        key: &str,
+    ) -> Result<Pose, InputError> {
+        let turn = self.turn(source, (at, turned), key)?;
         let placed = |e: InputError| source.at(at, e);
         let place = match (at.get_ref().position_m, &at.get_ref().hand_at_m) {
             (Some(_), Some(hand)) => {
@@ -140,6 +152,8 @@ impl Held {
                 Vec3::from(*hand.get_ref()) - turn * self.hand()
             }
         };
+        // Rounding errors are no places.
+        let place = place.map(|v| if v.abs() < 1e-12 { 0.0 } else { v });
         Ok(Pose::from_parts(place.into(), turn))
     }
 
@@ -147,35 +161,25 @@ impl Held {
     fn turn(
         &self,
         source: &Source,
-        at: &Spanned<TcpFile>,
+        (at, turned): (&Spanned<TcpFile>, &Turned),
         key: &str,
     ) -> Result<UnitQuaternion<f64>, InputError> {
-        let file = at.get_ref();
-        let turned = Turned::from(file);
-        if let (Some(bar), Some(x)) = (&file.bar_along, &file.x_along)
-            && !(self.is_named && key == "start")
-        {
-            return Err(source.error(bar, format!("{key} has both x_along and bar_along")).remedy(
-                format!(
-                    "keep one: either fixes the turn about pointing; x_along is {:?}",
-                    x.get_ref()
-                ),
-            ));
+        if let (Some(bar), Some(_)) = (turned.bar_along, turned.x_along) {
+            return Err(source
+                .error(bar, format!("{key} has both x_along and bar_along"))
+                .remedy("keep one: either fixes the turn about pointing"));
         }
-        // A named grip takes the bar of the start; everywhere else the bar turns the tool.
-        let is_start_of_named = self.is_named && key == "start";
-        let bar = file.bar_along.as_ref().filter(|_| !is_start_of_named);
         let is_by_bar = turned.rpy_deg.is_none() && turned.quaternion.is_none();
-        if let (Some(pointing), Some(bar), true) = (&file.pointing, bar, is_by_bar) {
+        if let (Some(pointing), Some(bar), true) = (turned.pointing, turned.bar_along, is_by_bar) {
             return self.by_bar(source, (pointing, bar), key);
         }
-        let about = match (self.is_named, bar) {
+        let about = match (self.is_named, turned.bar_along) {
             (true, None) => About::Ahead(self.ahead),
             _ => About::Said(
                 "bar_along, where the held bar runs, or x_along, where the tool's x axis points",
             ),
         };
-        match source.rotation(&turned, key, about).map_err(|e| source.beside(at, e))? {
+        match source.rotation(turned, key, about).map_err(|e| source.beside(at, e))? {
             Some(turn) => Ok(turn),
             None if self.is_named => Err(source
                 .error(at, format!("{key} does not say how the tool is turned"))
@@ -201,7 +205,8 @@ impl Held {
         let off = |turn: &UnitQuaternion<f64>| turn.angle_to(&self.start.rotation);
         match (towards, away) {
             (Ok(a), Ok(b)) => Ok(if off(&b) < off(&a) { b } else { a }),
-            (a, b) => a.or(b),
+            (Ok(one), Err(_)) | (Err(_), Ok(one)) => Ok(one),
+            (Err(why), Err(_)) => Err(why),
         }
     }
 }

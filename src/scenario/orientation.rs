@@ -102,10 +102,7 @@ impl Source<'_> {
             (None, Some(_)) => Some("quaternion_wxyz"),
             (None, None) => None,
         };
-        // A bar that a named grip takes from `bar_along` goes with any orientation of the tool.
-        let is_with_bar = matches!(about, About::Ahead(_));
-        let direction =
-            turned.direction().filter(|(name, _)| !(is_with_bar && *name == "bar_along"));
+        let direction = turned.direction();
         if let (Some(angles), Some((name, at))) = (angles, direction) {
             return Err(self
                 .error(at, format!("{key} has both {angles} and {name}"))

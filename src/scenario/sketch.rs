@@ -122,26 +122,23 @@ impl Sketch {
             text,
             "\n# Who works: one or more bodies (`ergopath body` makes others), and whose movements they have.\n\
              # \"people\" are five recorded people, not yours; the guide's page on recordings says how to train your own.\n\
-             [worker]\nbodies = [{}]\nposture_model = \"people\"\nhands = \"{hands}\"               # right, left or both\n",
-            bodies.join(", ")
+             [worker]\nbodies = [{}]\nposture_model = \"people\"\n{}",
+            bodies.join(", "),
+            noted(&format!("hands = \"{hands}\""), "right, left or both")
         );
         match self.seat_height_m {
             Some(seat) => {
                 let footrest = ((seat - LOW_SEAT_M) * 100.0).round() / 100.0;
                 let _ = writeln!(text, "stance = \"seated\"\nseat_height_m = {seat}");
                 if footrest > 0.0 {
-                    let _ = writeln!(
-                        text,
-                        "footrest_m = {footrest}              # without it shorter legs hang from this seat"
-                    );
+                    let key = format!("footrest_m = {footrest}");
+                    text.push_str(&noted(&key, "without it shorter legs hang from this seat"));
                 }
             }
             None => text.push_str("stance = \"standing\"\n"),
         }
-        text.push_str(
-            "at_m = [0.0, 0.0]             # floor point between the feet, below the hips\n\
-             facing_deg = 0                # 0 looks along x, 90 along y\n",
-        );
+        text.push_str(&noted("at_m = [0.0, 0.0]", "floor point between the feet, below the hips"));
+        text.push_str(&noted("facing_deg = 0", "0 looks along x, 90 along y"));
     }
 
     fn grip(&self, text: &mut String) {
@@ -161,12 +158,11 @@ impl Sketch {
         }
         comment.push_str(&line);
         let hold = match usual_hold(self.grip) {
-            Hold::FreeRoll => {
-                "hold = \"free_roll\"            # the hand may turn about the bar; \"rigid\": it may not; \"point\": as it likes\n"
-            }
-            _ => {
-                "hold = \"rigid\"                # the hand turns with the tool; \"point\": as it likes\n"
-            }
+            Hold::FreeRoll => noted(
+                "hold = \"free_roll\"",
+                "the hand may turn about the bar; \"rigid\": it may not; \"point\": as it likes",
+            ),
+            _ => noted("hold = \"rigid\"", "the hand turns with the tool; \"point\": as it likes"),
         };
         let away = self.tcp_from_hand_m().map(|v| if v == 0.0 { 0.0 } else { -v });
         let of = |table: &str, left: f64| {
@@ -219,32 +215,46 @@ impl Sketch {
         let whose =
             if self.hands == Hands::Both { "the middle between the hands" } else { "the hand" };
         let pointing = match self.tool {
-            ToolWay::Down => "pointing = [0, 0, -1]         # the tool points down",
-            ToolWay::AtWorker => "pointing = [-1, 0, 0]         # the tool points at the worker",
+            ToolWay::Down => noted("pointing = [0, 0, -1]", "the tool points down"),
+            ToolWay::AtWorker => noted("pointing = [-1, 0, 0]", "the tool points at the worker"),
         };
-        let _ = writeln!(
+        let _ = write!(
             text,
             "\n# Where {whose} is, and where the tool points.\n\
-             [start]\nhand_at_m = {:?}\n{pointing}\n\n[goal]\nhand_at_m = {:?}\n{pointing}",
+             [start]\nhand_at_m = {:?}\n{pointing}\n[goal]\nhand_at_m = {:?}\n{pointing}",
             self.start_m, self.goal_m
         );
     }
 
     fn rest(&self, text: &mut String) {
-        let duration_s = self.duration_s();
+        let duration = noted(
+            &format!("duration_s = {:?}", self.duration_s()),
+            &format!(
+                "from rest to rest; the tool keeps below limits.speed_m_s = {}",
+                PathLimits::default().speed_m_s
+            ),
+        );
+        let share = noted(
+            &format!("human_load_share = {:?}", self.load_share),
+            "1: the worker carries all of it",
+        );
         let _ = write!(
             text,
-            "\n[motion]\nduration_s = {duration_s:?}              # from rest to rest; the tool keeps below limits.speed_m_s = 0.25\n\n\
+            "\n[motion]\n{duration}\n\
              # What no path shows: the load, how much of it the robot leaves to the worker, how often and how long.\n\
-             [task]\npart_mass_kg = {:?}\nhuman_load_share = {:?}        # 1: the worker carries all of it\n\
-             cycles_per_min = 2\nhold_s = 2\n\n\
+             [task]\npart_mass_kg = {:?}\n{share}cycles_per_min = 2\nhold_s = 2\n\n\
              # What the robot must not touch; one table each. For example a bench, by its middle and its widths:\n\
              # [[obstacle]]\n# name = \"bench\"\n# shape = \"box\"\n# position_m = [1.0, 0.0, 0.36]\n# size_m = [0.8, 1.6, 0.72]\n\n\
              # What the planner may choose besides the path. For example the goal's height by 5 cm either way:\n\
              # [free]\n# goal_box_m = [0, 0, 0.05]\n",
-            self.part_mass_kg, self.load_share
+            self.part_mass_kg
         );
     }
+}
+
+/// A line with a remark, all remarks in one column.
+fn noted(line: &str, remark: &str) -> String {
+    format!("{line:<30}# {remark}\n")
 }
 
 /// A text as TOML has it.

@@ -10,8 +10,10 @@ const TOLD: f64 = 0.3827;
 
 /// The hands at the start, and how the tool is turned there, a line each.
 pub fn at_the_start(scenario: &Scenario) -> Vec<String> {
+    let place = ["ahead", "behind", "left", "right", "above", "below"];
+    let way = ["ahead", "back", "left", "right", "up", "down"];
     let facing = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), scenario.worker.facing);
-    let as_seen = |v: Vec3| direction(&(facing.inverse() * v));
+    let as_seen = |v: Vec3, words| direction(&(facing.inverse() * v), words);
     let hand = |(side, grip): (Side, Pose)| {
         let (at, turn) = (grip.translation.vector, grip.rotation);
         format!(
@@ -21,20 +23,21 @@ pub fn at_the_start(scenario: &Scenario) -> Vec<String> {
             at.x,
             at.y,
             at.z,
-            as_seen(palm(side, &turn)),
-            as_seen(turn * Vec3::z()),
-            as_seen(turn * Vec3::y())
+            as_seen(palm(side, &turn), way),
+            as_seen(turn * Vec3::z(), place),
+            as_seen(turn * Vec3::y(), place)
         )
     };
     let mut all: Vec<String> = scenario.hands_at(&scenario.start).into_iter().map(hand).collect();
-    let tool = as_seen(scenario.start.rotation * Vec3::z());
+    let tool = as_seen(scenario.start.rotation * Vec3::z(), way);
     all.push(format!("tool at the start: points {tool}"));
     all
 }
 
-/// A direction in the worker's frame (x ahead, y left, z up) in words, the largest part first.
-fn direction(v: &Vec3) -> String {
-    let mut parts = [(v.x, ["ahead", "behind"]), (v.y, ["left", "right"]), (v.z, ["up", "down"])];
+/// A direction in the worker's frame (x ahead, y left, z up) in words for either way along each axis, the
+/// largest part first.
+fn direction(v: &Vec3, [ahead, back, left, right, up, down]: [&str; 6]) -> String {
+    let mut parts = [(v.x, [ahead, back]), (v.y, [left, right]), (v.z, [up, down])];
     // Of equal parts the first stays first.
     let size = |share: f64| (1e6 * share.abs()).round();
     parts.sort_by(|a, b| size(b.0).total_cmp(&size(a.0)));
@@ -50,10 +53,11 @@ mod tests {
 
     #[test]
     fn directions_are_told_by_their_largest_parts() {
-        let said = |x, y, z| direction(&Vec3::new(x, y, z).normalize());
+        let words = ["ahead", "back", "left", "right", "up", "down"];
+        let said = |x, y, z| direction(&Vec3::new(x, y, z).normalize(), words);
         assert_eq!(said(0.0, 0.0, -1.0), "down");
         assert_eq!(said(1.0, 0.1, 0.2), "ahead");
-        assert_eq!(said(-1.0, 0.0, 0.6), "behind and up");
+        assert_eq!(said(-1.0, 0.0, 0.6), "back and up");
         assert_eq!(said(0.6, -1.0, 0.7), "right and up and ahead");
     }
 }
