@@ -38,9 +38,11 @@ mod import;
 mod import_print;
 mod inspect;
 mod inspect_motion;
+mod new;
 mod plan;
 mod plan_print;
 mod progress;
+mod questions;
 mod report;
 mod schema;
 mod score;
@@ -72,6 +74,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Writes a commented scenario from a handful of answers, asked on the terminal or given as options.
+    New(new::Args),
     /// Explains a file that ergopath reads or writes; of a scenario, what is in reach and what is assumed.
     Check(check::Args),
     /// Shows a chain of a URDF: joints, limits, and pose and Jacobian for given postures.
@@ -162,6 +166,7 @@ pub fn main() -> ExitCode {
     };
     let outputs = Outputs::new(cli.overwrite);
     let result = match cli.command {
+        Command::New(args) => new::run(&args, outputs),
         Command::Check(args) => check::run(&args, outputs),
         Command::Inspect(args) => inspect::run(&args, outputs),
         Command::Body(args) => body::run(&args, outputs),

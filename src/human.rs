@@ -17,6 +17,7 @@ mod generate;
 mod legs;
 mod limits;
 mod mirror;
+mod named_grip;
 mod pelvis;
 mod proportions;
 mod reach;
@@ -31,6 +32,7 @@ pub use generate::{BodyFiles, generate};
 pub use legs::{Bending, LegPosture, Legs, PelvisRow};
 pub use limits::{PostureLimits, SPINE_SHARES, SumLimit, SumRow};
 pub use mirror::{mirror_sign, mirrored_pose, other_side_joint};
+pub use named_grip::{NamedGrip, palm};
 pub use pelvis::{
     FEET_COLUMNS, PELVIS_JOINTS, column_of, column_unit, pelvis_coordinates, pelvis_in_rest,
 };

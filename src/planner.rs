@@ -28,6 +28,7 @@ mod finalists;
 mod findings;
 mod guard;
 mod known_starts;
+mod layout;
 mod lens;
 mod moments;
 mod near;
@@ -63,6 +64,7 @@ pub use cell_look::{
 };
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
 pub use findings::{Figure, Finding, Severity, Subject, Why};
+pub use layout::{Wanted, lay_out};
 pub use objective::Figures;
 pub use pipeline::{assess, judge_truly, plan, plan_knowing};
 pub use preset::{MethodWeights, Objective, Preset, load_preset, planner_schema, preset_names};

@@ -7,6 +7,7 @@
 //!           ─► page*   report.html, with scene.js and sort.js in it
 //! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
 //! CellLook ─► figure_cell   the cell before planning, PNG
+//! NamedGrip ─► figure_grips, figure_directions   how hands and tools are described, PNG
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
 //! gains with their intervals     ─► figure_forest                             PNG
 //! WeightSpread, HeldOutCurves ─► figure_weights, figure_held_out             PNG
@@ -30,7 +31,9 @@ mod figure_agreement;
 mod figure_box;
 mod figure_cell;
 mod figure_coverage;
+mod figure_directions;
 mod figure_forest;
+mod figure_grips;
 mod figure_growth;
 mod figure_heat;
 mod figure_held_out;
@@ -67,7 +70,9 @@ pub use comparison::{
 };
 pub use figure_box::{BoxPanel, box_plots};
 pub use figure_cell::cell_figure;
+pub use figure_directions::directions_figure;
 pub use figure_forest::{ForestPanel, ForestRow, forest_plots};
+pub use figure_grips::grips_figure;
 pub use figure_growth::{GrowthLine, GrowthNote, GrowthPoint, growth_plot, noted_growth_plot};
 pub use figure_held_out::held_out_figure;
 pub use figure_import::{ImportPicture, import_figure};

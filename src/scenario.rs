@@ -12,21 +12,26 @@ mod defaults;
 mod ends;
 mod file;
 mod freedom;
+mod held;
+mod orientation;
 mod paths;
 mod plausible;
+mod sketch;
 mod source;
 mod task;
 mod warning;
 mod worker;
 
-pub use cell::{PersonMargin, SecondHand};
+pub use cell::PersonMargin;
 pub use check::{FacesAway, LowHand, Scenario};
 pub use defaults::defaults_in_force;
 pub use ends::{END_TOLERANCE_DEG, END_TOLERANCE_M, EndMismatch};
 pub use file::{OtherArm, PosturePick};
 pub use freedom::{Chosen, Freedom, Freedoms, PACE_SPREAD, TIMING, TURN_ON_THE_WAY, Variant};
+pub use held::SecondHand;
 pub use paths::{UserPath, read_user_path};
 pub use plausible::Doubt;
+pub use sketch::{Sketch, SketchRobot, ToolWay};
 pub use task::{Origin, Task};
 pub use warning::Warning;
 pub use worker::{Adaptation, Worker};
@@ -45,9 +50,13 @@ pub fn scenario_schema() -> serde_json::Value {
 
 /// Reads and resolves a scenario; paths in it are relative to its folder.
 pub fn read_scenario(path: &Path) -> Result<Scenario, InputError> {
-    let text = read_text(path)?;
-    let file: file::ScenarioFile = parse_toml(path, &text)?;
+    parse_scenario(path, &read_text(path)?)
+}
+
+/// Resolves the text of a scenario that is, or will be, at a path.
+pub fn parse_scenario(path: &Path, text: &str) -> Result<Scenario, InputError> {
+    let file: file::ScenarioFile = parse_toml(path, text)?;
     let folder = path.parent().unwrap_or(Path::new("."));
-    let source = source::Source { path, text: &text, folder, doubts: RefCell::default() };
+    let source = source::Source { path, text, folder, doubts: RefCell::default() };
     check::resolve(&source, file, sha256_hex(text.as_bytes()))
 }

@@ -5,6 +5,7 @@
 
 pub mod cell;
 pub mod finding;
+pub mod hand;
 pub mod look;
 pub mod number;
 pub mod path;

@@ -92,6 +92,7 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
         "from ({:.3}, {:.3}, {:.3}) to ({:.3}, {:.3}, {:.3}) m: {way:.3} m in {} s",
         a[0], a[1], a[2], b[0], b[1], b[2], s.duration_s
     ));
+    says.extend(words::hand::at_the_start(scenario));
     says.push(format!("load on the hand {:.2} kg", scenario.task.load_kg));
     for (name, low, high) in &s.obstacles {
         let size: Vec<String> = (0..3).map(|i| format!("{:.2}", high[i] - low[i])).collect();

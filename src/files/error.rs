@@ -90,6 +90,12 @@ impl InputError {
         self
     }
 
+    /// Adds the place, unless there is one already.
+    #[must_use]
+    pub fn or_at(self, text: &str, range: std::ops::Range<usize>) -> Self {
+        if self.span.is_some() { self } else { self.at(text, range) }
+    }
+
     /// The error of an input that another file names: with that file and place in front, and its own
     /// remedy kept. Where it shows a place of its own, that stays.
     #[must_use]

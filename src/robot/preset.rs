@@ -5,8 +5,26 @@ use crate::files::{InputError, parse_toml, suggest};
 use serde::Deserialize;
 use std::path::Path;
 
-/// Names that [`Robot::preset`] knows.
-pub const PRESETS: [&str; 4] = ["panda", "fr3", "ur5e", "ur10e"];
+/// Names and files of the presets.
+macro_rules! shipped {
+    ($($name:literal),+) => {
+        /// Names that [`Robot::preset`] knows.
+        pub const PRESETS: [&str; [$($name),+].len()] = [$($name),+];
+
+        /// URDF and TOML of a preset.
+        fn files(name: &str) -> Option<[&'static str; 2]> {
+            match name {
+                $($name => Some([
+                    include_str!(concat!("../../models/robot/", $name, ".urdf")),
+                    include_str!(concat!("../../models/robot/", $name, ".toml")),
+                ]),)+
+                _ => None,
+            }
+        }
+    };
+}
+shipped!("panda", "fr3", "ur3e", "ur5e", "ur10e", "ur20", "iiwa14", "xarm6", "tm5-900");
+
 const SCHEMA: &str = "ergopath/robot/1";
 
 /// The TOML beside a preset's URDF.
@@ -38,29 +56,11 @@ struct BrakeRow {
 
 /// The preset with this name.
 pub(super) fn load(name: &str) -> Result<Robot, InputError> {
-    let (urdf, toml) = match name {
-        "panda" => (
-            include_str!("../../models/robot/panda.urdf"),
-            include_str!("../../models/robot/panda.toml"),
-        ),
-        "fr3" => (
-            include_str!("../../models/robot/fr3.urdf"),
-            include_str!("../../models/robot/fr3.toml"),
-        ),
-        "ur10e" => (
-            include_str!("../../models/robot/ur10e.urdf"),
-            include_str!("../../models/robot/ur10e.toml"),
-        ),
-        "ur5e" => (
-            include_str!("../../models/robot/ur5e.urdf"),
-            include_str!("../../models/robot/ur5e.toml"),
-        ),
-        other => {
-            let remedy = suggest(other, PRESETS)
-                .unwrap_or_else(|| format!("known presets: {}", PRESETS.join(", ")));
-            let error = InputError::new("robot", format!("there is no preset `{other}`"));
-            return Err(error.remedy(remedy));
-        }
+    let Some([urdf, toml]) = files(name) else {
+        let remedy = suggest(name, PRESETS)
+            .unwrap_or_else(|| format!("known presets: {}", PRESETS.join(", ")));
+        let error = InputError::new("robot", format!("there is no preset `{name}`"));
+        return Err(error.remedy(remedy));
     };
     let folder = Path::new("models/robot");
     let toml_path = folder.join(format!("{name}.toml"));
@@ -168,6 +168,76 @@ mod tests {
         ur_by_table(table, q)
     }
 
+    fn ur3e_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.0, 0.15185, FRAC_PI_2),
+            (-0.24355, 0.0, 0.0),
+            (-0.2132, 0.0, 0.0),
+            (0.0, 0.13105, FRAC_PI_2),
+            (0.0, 0.08535, -FRAC_PI_2),
+            (0.0, 0.0921, 0.0),
+        ];
+        ur_by_table(table, q)
+    }
+
+    fn ur20_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.0, 0.2363, FRAC_PI_2),
+            (-0.862, 0.0, 0.0),
+            (-0.7287, 0.0, 0.0),
+            (0.0, 0.201, FRAC_PI_2),
+            (0.0, 0.1593, -FRAC_PI_2),
+            (0.0, 0.1543, 0.0),
+        ];
+        ur_by_table(table, q)
+    }
+
+    fn iiwa14_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.36, -FRAC_PI_2),
+            (0.0, FRAC_PI_2),
+            (0.42, FRAC_PI_2),
+            (0.0, -FRAC_PI_2),
+            (0.4, -FRAC_PI_2),
+            (0.0, FRAC_PI_2),
+            (0.126, 0.0),
+        ];
+        table
+            .iter()
+            .zip(q)
+            .fold(rot_z(0.0), |t, (&(d, alpha), &q)| t * rot_z(q) * shift(0.0, d) * rot_x(alpha))
+    }
+
+    /// Craig's convention, with the angles at zero of the maker's manual.
+    fn xarm6_by_table(q: &[f64]) -> Matrix4<f64> {
+        let (elbow, turned) = (0.0535f64.hypot(0.2845), 0.2845f64.atan2(0.0535));
+        let table = [
+            (0.0, 0.267, 0.0, 0.0),
+            (-turned, 0.0, 0.0, -FRAC_PI_2),
+            (turned, 0.0, elbow, 0.0),
+            (0.0, 0.3425, 0.0775, -FRAC_PI_2),
+            (0.0, 0.0, 0.0, FRAC_PI_2),
+            (0.0, 0.097, 0.076, -FRAC_PI_2),
+        ];
+        table.iter().zip(q).fold(rot_z(0.0), |t, (&(zero, d, a, alpha), &q)| {
+            t * rot_x(alpha) * shift(a, 0.0) * rot_z(q + zero) * shift(0.0, d)
+        })
+    }
+
+    fn tm5_900_by_table(q: &[f64]) -> Matrix4<f64> {
+        let table = [
+            (0.0, 0.1452, 0.0, -FRAC_PI_2),
+            (-FRAC_PI_2, 0.0, 0.429, 0.0),
+            (0.0, 0.0, 0.4115, 0.0),
+            (FRAC_PI_2, -0.1223, 0.0, FRAC_PI_2),
+            (0.0, 0.106, 0.0, FRAC_PI_2),
+            (0.0, 0.11315, 0.0, 0.0),
+        ];
+        table.iter().zip(q).fold(rot_z(0.0), |t, (&(zero, d, a, alpha), &q)| {
+            t * rot_z(q + zero) * shift(0.0, d) * shift(a, 0.0) * rot_x(alpha)
+        })
+    }
+
     fn ur5e_by_table(q: &[f64]) -> Matrix4<f64> {
         let table = [
             (0.0, 0.1625, FRAC_PI_2),
@@ -200,8 +270,13 @@ mod tests {
         for (name, table) in [
             ("panda", panda_by_table as Table),
             ("fr3", panda_by_table),
+            ("ur3e", ur3e_by_table),
             ("ur5e", ur5e_by_table),
             ("ur10e", ur10e_by_table),
+            ("ur20", ur20_by_table),
+            ("iiwa14", iiwa14_by_table),
+            ("xarm6", xarm6_by_table),
+            ("tm5-900", tm5_900_by_table),
         ] {
             let robot = Robot::preset(name).unwrap();
             for q in postures(&robot) {

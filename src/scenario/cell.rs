@@ -1,16 +1,14 @@
 //! Robot, grip, limits and obstacles of the cell.
 
 use super::file::{
-    GripFile, HandGripFile, JointLimitFile, LimitsFile, ObstacleFile, PoseFile, RobotFile,
-    WorkspaceFile,
+    BaseFile, Direction, JointLimitFile, LimitsFile, ObstacleFile, RobotFile, WorkspaceFile,
 };
+use super::orientation::{About, Turned};
 use super::plausible::name_fault;
 use super::source::Source;
 use crate::files::InputError;
-use crate::human::Hands;
 use crate::math::{Pose, Vec3};
 use crate::path::{Box3, PathLimits};
-use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
 use toml::Spanned;
 
@@ -18,58 +16,6 @@ use toml::Spanned;
 pub(super) const NAME: &str = "use a short name of letters, digits, spaces, `-` and `_`";
 /// Smallest size of an obstacle, m: a wire.
 const SMALLEST_M: f64 = 1e-3;
-
-/// The other hand where both hold on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SecondHand {
-    /// Its grip in the frame of the leading hand's grip.
-    pub between: Pose,
-    /// What the robot prescribes of it.
-    pub hold: Hold,
-}
-
-/// The leading hand's grip and hold, and the other hand's where both hold on.
-pub(super) fn resolve_grip(
-    source: &Source,
-    file: &GripFile,
-    hands: Hands,
-) -> Result<(Pose, Hold, Option<SecondHand>), InputError> {
-    let pose = |position: Option<[f64; 3]>, rpy_deg, quaternion_wxyz, name: &str| {
-        let position_m = position.unwrap_or_default();
-        source.pose_of(&PoseFile { position_m, rpy_deg, quaternion_wxyz }, name)
-    };
-    let of = |hand: &HandGripFile, name: &str| {
-        pose(hand.position_m, hand.rpy_deg, hand.quaternion_wxyz, name)
-    };
-    let has_own =
-        file.position_m.is_some() || file.rpy_deg.is_some() || file.quaternion_wxyz.is_some();
-    match (hands, &file.right, &file.left) {
-        (Hands::Both, Some(right), Some(left)) => {
-            if has_own || file.hold.is_some() {
-                return Err(source
-                    .plain("worker.hands is \"both\", and [grip] has keys of its own")
-                    .remedy("keep [grip.right] and [grip.left] only"));
-            }
-            let (first, second) = (of(right, "grip.right")?, of(left, "grip.left")?);
-            let between = first.inverse() * second;
-            Ok((first, right.hold, Some(SecondHand { between, hold: left.hold })))
-        }
-        (Hands::Both, ..) => Err(source
-            .plain("worker.hands is \"both\", but [grip.right] or [grip.left] is missing")
-            .remedy("give the pose of each hand in the frame of the TCP, and its hold")),
-        (_, None, None) => {
-            let Some(hold) = file.hold else {
-                return Err(source
-                    .plain("grip.hold is missing")
-                    .remedy("use \"rigid\", \"free_roll\" or \"point\""));
-            };
-            Ok((pose(file.position_m, file.rpy_deg, file.quaternion_wxyz, "grip")?, hold, None))
-        }
-        _ => Err(source
-            .plain("[grip.right] and [grip.left] are for worker.hands = \"both\"")
-            .remedy("set worker.hands = \"both\", or give the one hand's pose in [grip]")),
-    }
-}
 
 pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, InputError> {
     let mut robot = match (&file.preset, &file.urdf) {
@@ -99,7 +45,7 @@ pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, 
                 .remedy("for example preset = \"panda\""));
         }
     };
-    robot.base = source.pose(&file.base, "robot.base")?;
+    robot.base = base(source, &file.base)?;
     for (i, at) in file.limit.iter().enumerate() {
         if file.limit[..i].iter().any(|l| l.get_ref().joint == at.get_ref().joint) {
             let message = format!("joint `{}` has two [[robot.limit]]", at.get_ref().joint);
@@ -109,6 +55,44 @@ pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, 
             .map_err(|e| e.named_in(source.path, "robot.limit", source.text, at.span()))?;
     }
     Ok(robot)
+}
+
+/// Where the robot stands.
+fn base(source: &Source, at: &Spanned<BaseFile>) -> Result<Pose, InputError> {
+    let file = at.get_ref();
+    let refused = |message: &str, remedy: &str| Err(source.error(at, message).remedy(remedy));
+    let place = match (file.position_m, file.at_m, file.mount_height_m) {
+        (Some(place), None, None) => place,
+        (None, Some([x, y]), Some(z)) => [x, y, z],
+        (Some(_), ..) => {
+            return refused(
+                "robot.base has position_m, and at_m or mount_height_m",
+                "keep position_m, or at_m with mount_height_m",
+            );
+        }
+        (None, Some(_), None) => {
+            return refused(
+                "robot.base has at_m without mount_height_m",
+                "give the height of the robot's mounting face above the floor, in metres",
+            );
+        }
+        (None, None, _) => {
+            return refused(
+                "robot.base has no place",
+                "give position_m, or at_m and mount_height_m: for example at_m = [0.9, 0.0], mount_height_m = 0.75",
+            );
+        }
+    };
+    source.refuse_far("robot.base", &place).map_err(|e| source.at(at, e))?;
+    let mut turned = Turned::from(file);
+    // What stands upright needs one direction only.
+    let up = Spanned::new(turned.x_along.map_or(0..0, Spanned::span), [0.0, 0.0, 1.0]);
+    if turned.x_along.is_some() && turned.pointing.is_none() {
+        turned.pointing = Some(&up);
+    }
+    let about = About::Said("x_along, where the base's x axis points");
+    let turn = source.rotation(&turned, "robot.base", about).map_err(|e| source.beside(at, e))?;
+    Ok(Pose::from_parts(Vec3::from(place).into(), turn.unwrap_or_default()))
 }
 
 /// Another limit of one joint.
@@ -243,10 +227,18 @@ pub(super) fn resolve_obstacle(
     source: &Source,
     at: &Spanned<ObstacleFile>,
 ) -> Result<(String, Obstacle), InputError> {
-    let pose = |position: &[f64; 3], rpy: &[f64; 3], name: &str| {
-        let file = PoseFile { position_m: *position, rpy_deg: Some(*rpy), quaternion_wxyz: None };
-        let pose = source.pose_of(&file, &format!("obstacle `{name}`"));
-        pose.map_err(|e| source.at(at, e))
+    let place = |position: &[f64; 3], name: &str| {
+        let key = format!("obstacle `{name}`.position_m");
+        source.refuse_far(&key, position).map_err(|e| source.at(at, e))?;
+        Ok::<_, InputError>(Vec3::from(*position))
+    };
+    let direction = |given: &Option<[f64; 3]>| given.map(|d| Direction::new(at.span(), d));
+    let turn = |rpy_deg: Option<[f64; 3]>, along: [Option<Direction>; 2], about, name: &str| {
+        let [pointing, x_along] = &along;
+        let (pointing, x_along) = (pointing.as_ref(), x_along.as_ref());
+        let turned = Turned { rpy_deg, pointing, x_along, ..Turned::default() };
+        let turn = source.rotation(&turned, &format!("obstacle `{name}`"), about);
+        Ok::<_, InputError>(turn.map_err(|e| source.beside(at, e))?.unwrap_or_default())
     };
     let positive = |values: &[f64], name: &str| {
         if values.iter().all(|v| (SMALLEST_M..100.0).contains(v)) {
@@ -267,25 +259,28 @@ pub(super) fn resolve_obstacle(
         return Err(source.error(at, format!("the name of an obstacle {fault}")).remedy(NAME));
     }
     Ok(match at.get_ref() {
-        ObstacleFile::Box { name, position_m, rpy_deg, size_m } => {
+        ObstacleFile::Box { name, position_m, rpy_deg, pointing, x_along, size_m } => {
             positive(size_m, name)?;
-            let pose = pose(position_m, rpy_deg, name)?;
+            let about = About::Said("x_along, where the box's x axis points");
+            let turn = turn(*rpy_deg, [direction(pointing), direction(x_along)], about, name)?;
+            let pose = Pose::from_parts(place(position_m, name)?.into(), turn);
             (name.clone(), Obstacle::Box { pose, size: Vec3::from(*size_m) })
         }
         ObstacleFile::Sphere { name, position_m, radius_m } => {
             positive(&[*radius_m], name)?;
-            let center = pose(position_m, &[0.0; 3], name)?.translation.vector;
+            let center = place(position_m, name)?;
             (name.clone(), Obstacle::Sphere { center, radius: *radius_m })
         }
         ObstacleFile::Capsule { name, from_m, to_m, radius_m } => {
             positive(&[*radius_m], name)?;
-            let a = pose(from_m, &[0.0; 3], name)?.translation.vector;
-            let b = pose(to_m, &[0.0; 3], name)?.translation.vector;
+            let (a, b) = (place(from_m, name)?, place(to_m, name)?);
             (name.clone(), Obstacle::Capsule { a, b, radius: *radius_m })
         }
-        ObstacleFile::Cylinder { name, position_m, rpy_deg, radius_m, length_m } => {
+        ObstacleFile::Cylinder { name, position_m, rpy_deg, pointing, radius_m, length_m } => {
             positive(&[*radius_m, *length_m], name)?;
-            let pose = pose(position_m, rpy_deg, name)?;
+            // A cylinder looks the same however it is turned about its own axis.
+            let turn = turn(*rpy_deg, [direction(pointing), None], About::Ahead(Vec3::x()), name)?;
+            let pose = Pose::from_parts(place(position_m, name)?.into(), turn);
             (name.clone(), Obstacle::Cylinder { pose, radius: *radius_m, length: *length_m })
         }
     })

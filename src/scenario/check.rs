@@ -2,11 +2,11 @@
 
 use super::SCENARIO_SCHEMA;
 use super::cell::{
-    NAME, PersonMargin, SecondHand, resolve_grip, resolve_limits, resolve_obstacle,
-    resolve_person_margin, resolve_robot,
+    NAME, PersonMargin, resolve_limits, resolve_obstacle, resolve_person_margin, resolve_robot,
 };
 use super::file::{ObstacleFile, PathFile, ScenarioFile, TaskFile};
 use super::freedom::{Freedom, Freedoms, resolve_free};
+use super::held::{Held, SecondHand};
 use super::paths::{UserPath, read_user_path};
 use super::plausible::{self, Doubt, LONGEST_S, name_fault, path_name_fault};
 use super::source::Source;
@@ -106,9 +106,11 @@ pub(super) fn resolve(
     if let Some(fault) = name_fault(file.name.get_ref()) {
         return Err(source.error(&file.name, format!("the scenario's name {fault}")).remedy(NAME));
     }
-    let (start, goal) = (source.pose(&file.start, "start")?, source.pose(&file.goal, "goal")?);
+    let worker = resolve_worker(source, &file.worker)?;
+    let held = Held::resolve(source, (&file.grip, &file.start), (worker.hands, worker.facing))?;
+    let (start, goal) = (held.start, held.pose(source, &file.goal, "goal")?);
     let score_profile = resolve_profile(source, file.score_profile.as_ref())?;
-    let free = resolve_free(source, &file.free, &start, &goal)?;
+    let free = resolve_free(source, &file.free, &held, &goal)?;
     refuse_no_movement(source, &file, [&start, &goal], &free)?;
     let duration_s = resolve_duration(source, &file.motion.duration_s, &free)?;
     let (paths, drawn_paths) = resolve_paths(source, &file.path, &robot, [&start, &goal])?;
@@ -116,8 +118,6 @@ pub(super) fn resolve(
     if task.part_mass_kg > 0.0 && file.task.human_load_share.is_none() {
         warnings.push(Warning::WholeLoad { mass_kg: task.part_mass_kg });
     }
-    let worker = resolve_worker(source, &file.worker)?;
-    let (grip, hold, second_hand) = resolve_grip(source, &file.grip, worker.hands)?;
     let obstacles = resolve_obstacles(source, &file.obstacle)?;
     let doubtful = |doubt: Doubt| Warning::Doubtful { path: None, doubt };
     warnings.extend(source.doubts.take().into_iter().map(doubtful));
@@ -130,9 +130,9 @@ pub(super) fn resolve(
         seed: file.seed,
         score_profile,
         worker,
-        grip,
-        hold,
-        second_hand,
+        grip: held.grip,
+        hold: held.hold,
+        second_hand: held.second_hand,
         robot,
         start,
         goal,

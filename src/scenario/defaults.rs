@@ -1,6 +1,9 @@
 //! Which optional keys a scenario leaves out, and what holds then.
 
-use toml::Table;
+use super::held::usual_hold;
+use crate::human::NamedGrip;
+use crate::posture::Hold;
+use toml::{Table, Value};
 
 /// Table (empty: the top), key, and what holds without it. Limits of the TCP are listed by
 /// [`super::Scenario::assumed_limits`].
@@ -36,7 +39,7 @@ pub fn defaults_in_force(text: &str) -> Vec<String> {
         _ => file.get(table).and_then(|t| t.get(key)).is_some(),
     };
     let is_seated = file.get("worker").and_then(|w| w.get("stance")?.as_str()) == Some("seated");
-    OPTIONAL
+    let optional = OPTIONAL
         .iter()
         .filter(|(table, key, _)| !has(table, key))
         // Who sits, sits with or without shoes.
@@ -45,8 +48,25 @@ pub fn defaults_in_force(text: &str) -> Vec<String> {
         .map(|(table, key, words)| {
             let dot = if table.is_empty() { "" } else { "." };
             format!("{table}{dot}{key}: {words}")
-        })
-        .collect()
+        });
+    optional.chain(usual_holds(&file)).collect()
+}
+
+/// The holds that follow from the names of grips.
+fn usual_holds(file: &Table) -> Vec<String> {
+    let grip = file.get("grip");
+    let of_hand = |side: &str| grip.and_then(|g| g.get(side));
+    let tables = [("grip", grip), ("grip.right", of_hand("right")), ("grip.left", of_hand("left"))];
+    let usual = |(key, table): (&str, Option<&Value>)| {
+        let table = table.filter(|t| t.get("hold").is_none())?;
+        let name = table.get("grip")?.as_str()?;
+        let hold = match usual_hold(NamedGrip::by_name(name)?) {
+            Hold::Rigid => "rigid",
+            _ => "free_roll",
+        };
+        Some(format!("{key}.hold: {hold}, as usual for `{name}`"))
+    };
+    tables.into_iter().filter_map(usual).collect()
 }
 
 #[cfg(test)]
@@ -93,5 +113,13 @@ mod tests {
         assert!(!all.iter().any(|l| l.starts_with("seed") || l.contains("stance")));
         assert!(!all.iter().any(|l| l.contains("shoe_m")));
         assert!(all.contains(&"worker.hands: right".to_owned()), "{all:?}");
+        let all = defaults_in_force("[grip]\ngrip = \"pinch_from_above\"\n");
+        let hold = "grip.hold: rigid, as usual for `pinch_from_above`".to_owned();
+        assert!(all.contains(&hold), "{all:?}");
+        let both = "[grip.right]\ngrip = \"box_side\"\nhold = \"point\"\n[grip.left]\ngrip = \"box_side\"\n";
+        let all = defaults_in_force(both);
+        let holds: Vec<&String> = all.iter().filter(|l| l.contains("hold: ")).collect();
+        assert!(holds.contains(&&"grip.left.hold: free_roll, as usual for `box_side`".to_owned()));
+        assert!(!holds.iter().any(|l| l.starts_with("grip.right")), "{holds:?}");
     }
 }

@@ -33,12 +33,12 @@ pub(super) struct ScenarioFile {
     pub grip: GripFile,
     /// Who leads.
     pub robot: RobotFile,
-    /// TCP at the start, world.
-    #[schemars(with = "PoseFile")]
-    pub start: Spanned<PoseFile>,
-    /// TCP at the goal, world.
-    #[schemars(with = "PoseFile")]
-    pub goal: Spanned<PoseFile>,
+    /// TCP, or hand, at the start, world.
+    #[schemars(with = "TcpFile")]
+    pub start: Spanned<TcpFile>,
+    /// TCP, or hand, at the goal, world.
+    #[schemars(with = "TcpFile")]
+    pub goal: Spanned<TcpFile>,
     /// How long the movement takes.
     pub motion: MotionFile,
     /// Limits of the TCP.
@@ -68,8 +68,8 @@ pub(super) struct ScenarioFile {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct FreeFile {
     /// Equivalent starts besides the one above.
-    #[schemars(with = "Vec<PoseFile>")]
-    pub start_places: Vec<Spanned<PoseFile>>,
+    #[schemars(with = "Vec<TcpFile>")]
+    pub start_places: Vec<Spanned<TcpFile>>,
     /// Half widths along world x, y, z within which the start may move, m.
     #[schemars(with = "Option<[f64; 3]>")]
     pub start_box_m: Option<Spanned<[f64; 3]>>,
@@ -80,8 +80,8 @@ pub(super) struct FreeFile {
     #[schemars(with = "Option<[f64; 2]>")]
     pub start_roll_deg: Option<Spanned<[f64; 2]>>,
     /// Equivalent goals besides the one above.
-    #[schemars(with = "Vec<PoseFile>")]
-    pub goal_places: Vec<Spanned<PoseFile>>,
+    #[schemars(with = "Vec<TcpFile>")]
+    pub goal_places: Vec<Spanned<TcpFile>>,
     /// Half widths along world x, y, z within which the goal may move, m.
     #[schemars(with = "Option<[f64; 3]>")]
     pub goal_box_m: Option<Spanned<[f64; 3]>>,
@@ -246,29 +246,78 @@ pub enum OtherArm {
     Unknown,
 }
 
-/// A pose: position and one of two orientations.
+/// A direction in the frame that a pose is given in; its length does not count.
+pub(super) type Direction = Spanned<[f64; 3]>;
+
+/// The tool at a place: where its TCP or the hand is, and how it is turned.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PoseFile {
-    /// x, y, z, m.
-    pub position_m: [f64; 3],
-    /// Orientation: roll, pitch, yaw about fixed axes, deg. Without it and without a quaternion: none.
+pub(super) struct TcpFile {
+    /// Place of the TCP: x, y, z, m.
+    pub position_m: Option<[f64; 3]>,
+    /// Place of the hand (of both hands: of the middle between them) instead of the TCP's: x, y, z, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub hand_at_m: Option<Direction>,
+    /// Orientation: roll, pitch, yaw about fixed axes, deg.
     pub rpy_deg: Option<[f64; 3]>,
     /// Orientation instead of `rpy_deg`; w first, norm 1.
     pub quaternion_wxyz: Option<[f64; 4]>,
+    /// Orientation instead of both: where the tool's z axis points.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub pointing: Option<Direction>,
+    /// With `pointing`: where the held bar runs, towards the thumb; with a named grip either way.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub bar_along: Option<Direction>,
+    /// With `pointing`: where the tool's x axis points.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub x_along: Option<Direction>,
+}
+
+/// Where the robot stands, and how it is turned.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BaseFile {
+    /// Middle of the mounting face: x, y, z, m.
+    pub position_m: Option<[f64; 3]>,
+    /// The floor point below it: x, y, m; together with `mount_height_m` instead of `position_m`.
+    pub at_m: Option<[f64; 2]>,
+    /// Height of the mounting face above the floor, m.
+    pub mount_height_m: Option<f64>,
+    /// Orientation: roll, pitch, yaw about fixed axes, deg. Without any orientation: not turned.
+    pub rpy_deg: Option<[f64; 3]>,
+    /// Orientation instead of `rpy_deg`; w first, norm 1.
+    pub quaternion_wxyz: Option<[f64; 4]>,
+    /// Orientation instead of both: where the base's z axis points; up if `x_along` stands alone.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub pointing: Option<Direction>,
+    /// Where the base's x axis points.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub x_along: Option<Direction>,
 }
 
 /// The hand in the TCP's frame: z along the held bar towards the thumb, y towards the wrist, x out of the palm (right hand). For both hands a table for each: `[grip.right]` and `[grip.left]`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GripFile {
+    /// A named grip: how the hand is turned at the start, as the worker sees it.
+    #[schemars(with = "Option<String>", extend("enum" = crate::human::NamedGrip::names()))]
+    pub grip: Option<Spanned<String>>,
+    /// With a named grip: the hand's place from the TCP at the start, as the worker sees it: ahead, to the left, up, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub from_tcp_m: Option<Direction>,
     /// Origin of the grip in the frame of the TCP, m; default 0, 0, 0.
     pub position_m: Option<[f64; 3]>,
     /// Orientation in the frame of the TCP: roll, pitch, yaw about fixed axes, deg.
     pub rpy_deg: Option<[f64; 3]>,
     /// Orientation instead of `rpy_deg`; w first, norm 1.
     pub quaternion_wxyz: Option<[f64; 4]>,
-    /// What the robot prescribes of the hand; needed for one hand.
+    /// Orientation instead of both: where the bar runs towards the thumb, in the frame of the TCP.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub pointing: Option<Direction>,
+    /// With `pointing`: where the hand's x axis points, out of the palm of a right hand.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub x_along: Option<Direction>,
+    /// What the robot prescribes of the hand; needed for one hand without a named grip.
     pub hold: Option<Hold>,
     /// The right hand, where both hold on.
     pub right: Option<HandGripFile>,
@@ -276,25 +325,53 @@ pub(super) struct GripFile {
     pub left: Option<HandGripFile>,
 }
 
+impl GripFile {
+    /// The keys of one hand.
+    pub(super) fn own(&self) -> HandGripFile {
+        HandGripFile {
+            grip: self.grip.clone(),
+            from_tcp_m: self.from_tcp_m.clone(),
+            position_m: self.position_m,
+            rpy_deg: self.rpy_deg,
+            quaternion_wxyz: self.quaternion_wxyz,
+            pointing: self.pointing.clone(),
+            x_along: self.x_along.clone(),
+            hold: self.hold,
+        }
+    }
+}
+
 /// One of two hands in the TCP's frame.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct HandGripFile {
+    /// A named grip: how the hand is turned at the start, as the worker sees it.
+    #[schemars(with = "Option<String>", extend("enum" = crate::human::NamedGrip::names()))]
+    pub grip: Option<Spanned<String>>,
+    /// With a named grip: the hand's place from the TCP at the start, as the worker sees it: ahead, to the left, up, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub from_tcp_m: Option<Direction>,
     /// Origin of the grip in the frame of the TCP, m; default 0, 0, 0.
     pub position_m: Option<[f64; 3]>,
     /// Orientation in the frame of the TCP: roll, pitch, yaw about fixed axes, deg.
     pub rpy_deg: Option<[f64; 3]>,
     /// Orientation instead of `rpy_deg`; w first, norm 1.
     pub quaternion_wxyz: Option<[f64; 4]>,
-    /// What the robot prescribes of the hand.
-    pub hold: Hold,
+    /// Orientation instead of both: where the bar runs towards the thumb, in the frame of the TCP.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub pointing: Option<Direction>,
+    /// With `pointing`: where the hand's x axis points, out of the palm of a right hand.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub x_along: Option<Direction>,
+    /// What the robot prescribes of the hand; needed without a named grip.
+    pub hold: Option<Hold>,
 }
 
 /// The robot: a preset, or a URDF with its base and TCP links.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RobotFile {
-    /// A robot that is shipped: `panda`, `fr3`, `ur5e`, `ur10e`.
+    /// A robot that is shipped: `panda`, `fr3`, `ur3e`, `ur5e`, `ur10e`, `ur20`, `iiwa14`, `xarm6`, `tm5-900`.
     #[schemars(with = "Option<String>", extend("enum" = crate::robot::PRESETS))]
     pub preset: Option<Spanned<String>>,
     /// URDF file instead of a preset.
@@ -305,8 +382,8 @@ pub(super) struct RobotFile {
     /// Link of the URDF whose frame is the TCP.
     pub tcp: Option<String>,
     /// Base of the robot, world.
-    #[schemars(with = "PoseFile")]
-    pub base: Spanned<PoseFile>,
+    #[schemars(with = "BaseFile")]
+    pub base: Spanned<BaseFile>,
     /// Other limits of single joints.
     #[serde(default)]
     #[schemars(with = "Vec<JointLimitFile>")]
@@ -393,8 +470,11 @@ pub(super) enum ObstacleFile {
         /// Middle: x, y, z, world, m.
         position_m: [f64; 3],
         /// Roll, pitch, yaw about fixed axes, deg.
-        #[serde(default)]
-        rpy_deg: [f64; 3],
+        rpy_deg: Option<[f64; 3]>,
+        /// Orientation instead of `rpy_deg`: where its own z axis points.
+        pointing: Option<[f64; 3]>,
+        /// With `pointing`: where its own x axis points.
+        x_along: Option<[f64; 3]>,
         /// Whole widths along its own x, y, z, m.
         size_m: [f64; 3],
     },
@@ -425,8 +505,9 @@ pub(super) enum ObstacleFile {
         /// Middle: x, y, z, world, m.
         position_m: [f64; 3],
         /// Roll, pitch, yaw about fixed axes, deg.
-        #[serde(default)]
-        rpy_deg: [f64; 3],
+        rpy_deg: Option<[f64; 3]>,
+        /// Orientation instead of `rpy_deg`: where its own z axis points.
+        pointing: Option<[f64; 3]>,
         /// Radius, m.
         radius_m: f64,
         /// Whole length, m.

@@ -3,6 +3,7 @@
 
 use super::check::Scenario;
 use super::file::FreeFile;
+use super::held::Held;
 use super::plausible::{self, Doubt, FARTHEST_MOVE_M, FARTHEST_PLACE_M};
 use super::source::Source;
 use crate::files::InputError;
@@ -304,12 +305,12 @@ type OfAxis = fn(usize) -> Freedom;
 pub(super) fn resolve_free(
     source: &Source,
     file: &FreeFile,
-    start: &Pose,
+    held: &Held,
     goal: &Pose,
 ) -> Result<Freedoms, InputError> {
     let mut free = Freedoms {
         all: Vec::new(),
-        starts: vec![*start],
+        starts: vec![held.start],
         goals: vec![*goal],
         turn_rad: turn_on_the_way(source, file)?,
         pace_spread: pace_spread(source, file)?,
@@ -320,7 +321,7 @@ pub(super) fn resolve_free(
     ] {
         let first = list[0].translation.vector;
         for place in places {
-            let pose = source.pose(place, key)?;
+            let pose = held.pose(source, place, key)?;
             let value = (pose.translation.vector - first).norm();
             if value > FARTHEST_PLACE_M {
                 let doubt = Doubt::FarPlace { place: key.to_owned(), value };

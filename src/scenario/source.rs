@@ -1,10 +1,7 @@
 //! The text behind a scenario: refusals that show the place, and the values that every part needs.
 
-use super::file::PoseFile;
-use super::plausible::{self, Doubt, FARTHEST_M};
+use super::plausible::{Doubt, FARTHEST_M};
 use crate::files::InputError;
-use crate::math::{Pose, Vec3};
-use nalgebra::{Quaternion, UnitQuaternion};
 use std::cell::RefCell;
 use std::path::Path;
 use toml::Spanned;
@@ -64,15 +61,9 @@ impl Source<'_> {
             .remedy("check value and unit: metres, seconds, kilograms; degrees only in keys that end in _deg"))
     }
 
-    pub(super) fn pose(&self, at: &Spanned<PoseFile>, key: &str) -> Result<Pose, InputError> {
-        self.pose_of(at.get_ref(), key).map_err(|e| e.at(self.text, at.span()))
-    }
-
-    pub(super) fn pose_of(&self, pose: &PoseFile, key: &str) -> Result<Pose, InputError> {
-        let position = Vec3::from(pose.position_m);
-        self.refuse_far(&format!("{key}.position_m"), &pose.position_m)?;
-        let rotation = self.rotation(pose.rpy_deg, pose.quaternion_wxyz, key)?;
-        Ok(Pose::from_parts(position.into(), rotation))
+    /// The same for errors that may know a nearer place.
+    pub(super) fn beside<T>(&self, at: &Spanned<T>, error: InputError) -> InputError {
+        error.or_at(self.text, at.span())
     }
 
     /// Refuses coordinates that no cell has.
@@ -82,37 +73,6 @@ impl Source<'_> {
                 Err(self.question(&Doubt::Millimetres { place: key.to_owned(), value }))
             }
             None => Ok(()),
-        }
-    }
-
-    fn rotation(
-        &self,
-        rpy_deg: Option<[f64; 3]>,
-        quaternion: Option<[f64; 4]>,
-        key: &str,
-    ) -> Result<UnitQuaternion<f64>, InputError> {
-        match (rpy_deg, quaternion) {
-            (Some(_), Some(_)) => Err(self
-                .plain(format!("{key} has both rpy_deg and quaternion_wxyz"))
-                .remedy("keep one of them")),
-            (Some(rpy), None) => {
-                if !rpy.iter().all(|v| v.abs() <= 720.0) {
-                    let message = format!("{key}.rpy_deg = {rpy:?} is not plausible");
-                    return Err(self.plain(message).remedy("angles are in degrees"));
-                }
-                self.doubt(plausible::radians(&format!("{key}.rpy_deg"), &rpy));
-                let [r, p, y] = rpy.map(f64::to_radians);
-                Ok(UnitQuaternion::from_euler_angles(r, p, y))
-            }
-            (None, Some([w, x, y, z])) => {
-                let q = Quaternion::new(w, x, y, z);
-                if !(0.99..=1.01).contains(&q.norm()) {
-                    let message = format!("{key}.quaternion_wxyz has norm {:.4}, not 1", q.norm());
-                    return Err(self.plain(message).remedy("the scalar part w comes first"));
-                }
-                Ok(UnitQuaternion::new_normalize(q))
-            }
-            (None, None) => Ok(UnitQuaternion::identity()),
         }
     }
 }

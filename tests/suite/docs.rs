@@ -8,13 +8,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Headings of `docs/scenarios.md` and the parts of the schema that their tables hold.
-const SCENARIO_TABLES: [(&str, &str); 14] = [
+const SCENARIO_TABLES: [(&str, &str); 15] = [
     ("The top of the file", ""),
-    ("Poses", "PoseFile"),
+    ("Poses", "TcpFile"),
     ("`[worker]`", "WorkerFile"),
     ("`[grip]`", "GripFile"),
     ("`[grip.right]` and `[grip.left]`", "HandGripFile"),
     ("`[robot]`", "RobotFile"),
+    ("`base` of the robot", "BaseFile"),
     ("`[[robot.limit]]`", "JointLimitFile"),
     ("`[motion]`", "MotionFile"),
     ("`[limits]`", "LimitsFile"),

@@ -30,6 +30,7 @@ mod inputs_cli;
 mod kinematics_peer;
 mod layers;
 mod moved_worlds;
+mod new_cli;
 #[cfg(unix)]
 mod outputs_cli;
 mod people_cli;

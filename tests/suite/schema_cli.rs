@@ -5,13 +5,13 @@ use predicates::str::contains;
 use serde_json::Value;
 use std::path::Path;
 
-fn schema(kind: &str) -> jsonschema::Validator {
+pub(crate) fn schema(kind: &str) -> jsonschema::Validator {
     let output = ergopath().args(["schema", kind]).assert().success().get_output().stdout.clone();
     let schema: Value = serde_json::from_slice(&output).unwrap();
     jsonschema::validator_for(&schema).unwrap()
 }
 
-fn as_json(path: &Path) -> Value {
+pub(crate) fn as_json(path: &Path) -> Value {
     let text = std::fs::read_to_string(path).unwrap();
     serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap()
 }
@@ -79,7 +79,15 @@ fn a_schema_tells_units_and_choices() {
     }
     assert!(seen > 70, "{seen}");
     let text = String::from_utf8(output).unwrap();
-    for words in ["free_roll", "cornell2001", "ur10e", "unacceptable", "\"seated\""] {
+    for words in [
+        "palm_down_bar",
+        "tm5-900",
+        "free_roll",
+        "cornell2001",
+        "ur10e",
+        "unacceptable",
+        "\"seated\"",
+    ] {
         assert!(text.contains(words), "{words}");
     }
 }
