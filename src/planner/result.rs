@@ -169,6 +169,11 @@ pub enum Caveat {
         /// How many.
         count: usize,
     },
+    /// Learned from one person whose hips and knees were not recorded but filled in from several others.
+    FilledLegs {
+        /// How many others.
+        count: usize,
+    },
     /// Learned from one person of another size.
     OtherBody,
 }

@@ -348,6 +348,13 @@ impl Attraction {
         UnitQuaternion::from_scaled_axis(turn) * f.reference
     }
 
+    /// The usual postures where it was learned, each with the height of the hand there (rest frame, over stature).
+    pub(super) fn where_learned(&self) -> Vec<(UsualPosture, f64)> {
+        let f = &self.features;
+        let height = |input: &[f64; 6]| input[1] * f.spread[1] + f.mean[1];
+        self.usual_at(&self.inputs).into_iter().zip(self.inputs.iter().map(height)).collect()
+    }
+
     /// Number of training postures behind the regression.
     pub fn sample_count(&self) -> usize {
         self.inputs.len()
@@ -361,7 +368,11 @@ impl Attraction {
     /// The usual postures for many hand poses, which is faster than one by one.
     pub fn usual_postures(&self, hands: &[Pose], stature_m: f64) -> Vec<UsualPosture> {
         let x: Vec<[f64; 6]> = hands.iter().map(|h| self.features.of(h, stature_m)).collect();
-        let near = DMatrix::from_fn(self.inputs.len(), hands.len(), |i, j| {
+        self.usual_at(&x)
+    }
+
+    fn usual_at(&self, x: &[[f64; 6]]) -> Vec<UsualPosture> {
+        let near = DMatrix::from_fn(self.inputs.len(), x.len(), |i, j| {
             squared_exponential(&self.inputs[i], &x[j], self.length_scale)
         });
         let off = transposed_product(&self.coefficients, &near);
@@ -374,7 +385,7 @@ impl Attraction {
                 confidence: explained.clamp(0.0, 1.0),
             }
         };
-        (0..hands.len()).map(usual).collect()
+        (0..x.len()).map(usual).collect()
     }
 }
 
