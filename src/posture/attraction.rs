@@ -348,11 +348,9 @@ impl Attraction {
         UnitQuaternion::from_scaled_axis(turn) * f.reference
     }
 
-    /// The usual postures where it was learned, each with the height of the hand there (rest frame, over stature).
-    pub(super) fn where_learned(&self) -> Vec<(UsualPosture, f64)> {
-        let f = &self.features;
-        let height = |input: &[f64; 6]| input[1] * f.spread[1] + f.mean[1];
-        self.usual_at(&self.inputs).into_iter().zip(self.inputs.iter().map(height)).collect()
+    /// The usual postures at all places where it was learned, n each, rad.
+    pub(super) fn where_learned(&self) -> Vec<DVector<f64>> {
+        self.usual_at(&self.inputs).into_iter().map(|usual| usual.posture).collect()
     }
 
     /// Number of training postures behind the regression.

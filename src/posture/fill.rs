@@ -1,18 +1,19 @@
 //! What a model of whole people says of a pelvis that was not recorded.
 //!
 //! The place of the hand goes with the pelvis, and is as unknown. So the people's postures count as a mixture
-//! over the places `x` at which the model was learned, each with the usual posture `m` and the covariance `S` there.
+//! over the places `x` at which the model was learned, each with the usual posture `m(x)` there and one covariance
+//! `S` about it: with the wider one of low hands the places were told apart worse, on the five recorded people.
 //! Of what is unknown (`a`) it expects, given what is known (`b`):
 //!
 //! ```text
-//! a = sum_x r_x (m_a + S_ab S_bb^-1 (b - m_b))          r_x ~ N(b; m_b, S_bb), sums to 1
+//! a = G b + sum_x r_x (m_a(x) - G m_b(x))      G = S_ab S_bb^-1,  r_x ~ N(b; m_b(x), S_bb), sums to 1
 //! ```
 //! What stays unknown is told by one Gaussian of all postures, `U = S_aa - S_ab S_bb^-1 S_ba`: the mixture takes
 //! the one place that fits for the true one, and is too sure of itself. `U` is added to the covariances of a model
 //! that is learned of filled postures; so is that of velocities and noise, scaled to these people by what is known.
 
 use super::adapt::{rest, slopes};
-use super::model::{PostureDistribution, PostureModel};
+use super::model::PostureModel;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Share of its trace that is added to a covariance that need not be of full rank.
@@ -22,20 +23,11 @@ const FLOOR: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub struct Filling {
     split: Split,
-    places: Vec<Place>,
-}
-
-/// The postures at one place.
-#[derive(Debug, Clone)]
-struct Place {
-    /// m_b, and S_bb factored.
-    known: DVector<f64>,
-    root: Cholesky<f64, Dyn>,
-    /// Half the logarithm of the determinant of S_bb.
-    log_size: f64,
-    /// m_a, and S_ab S_bb^-1.
-    unknown: DVector<f64>,
+    /// `G`, and `S_bb` factored as `L L^T`.
     gain: DMatrix<f64>,
+    root: Cholesky<f64, Dyn>,
+    /// Of each place: `L^-1 m_b`, and `m_a - G m_b`.
+    places: Vec<(DVector<f64>, DVector<f64>)>,
 }
 
 /// Which coordinates of a posture are known.
@@ -59,16 +51,6 @@ impl Split {
         let left = rest(&turned, self.known.len(), &gain);
         Some((gain, left))
     }
-
-    fn place(&self, postures: &PostureDistribution) -> Option<Place> {
-        let (gain, _) = self.conditioned(&postures.covariance)?;
-        let b = &self.known;
-        let of_known = |r: usize, c: usize| postures.covariance[(b[r], b[c])];
-        let root = DMatrix::from_fn(b.len(), b.len(), of_known).cholesky()?;
-        let log_size = root.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
-        let (known, unknown) = (picked(b, &postures.mean), picked(&self.unknown, &postures.mean));
-        Some(Place { known, root, log_size, unknown, gain })
-    }
 }
 
 fn picked(which: &[usize], all: &DVector<f64>) -> DVector<f64> {
@@ -80,37 +62,41 @@ impl Filling {
     pub fn new(whole: &PostureModel, unknown: &[usize]) -> Option<Self> {
         let postures = &whole.postures;
         let split = Split::new(unknown, whole.joints.len());
-        let places: Option<Vec<Place>> = match &whole.law.attraction {
-            Some(attraction) => attraction
-                .where_learned()
-                .iter()
-                .map(|(usual, height)| split.place(&postures.near(usual, *height)))
-                .collect(),
-            None => split.place(postures).map(|all| vec![all]),
+        let (usual, spread) = match &whole.law.attraction {
+            Some(attraction) => {
+                let about = postures.about_usual.as_ref().unwrap_or(&postures.covariance);
+                (attraction.where_learned(), about)
+            }
+            None => (vec![postures.mean.clone()], &postures.covariance),
         };
-        Some(Self { places: places?, split })
+        let (gain, _) = split.conditioned(spread)?;
+        let b = &split.known;
+        let root = DMatrix::from_fn(b.len(), b.len(), |r, c| spread[(b[r], b[c])]).cholesky()?;
+        let place = |m: &DVector<f64>| {
+            let known = picked(&split.known, m);
+            let offset = picked(&split.unknown, m) - &gain * &known;
+            Some((root.l_dirty().solve_lower_triangular(&known)?, offset))
+        };
+        let places: Option<Vec<_>> = usual.iter().map(place).collect();
+        Some(Self { places: places?, split, gain, root })
     }
 
     /// A posture (n; leg lengths, rad) with its unknown coordinates filled in; none where it is not finite.
     pub fn fill(&self, q: &DVector<f64>) -> Option<DVector<f64>> {
         let b = picked(&self.split.known, q);
-        let seen = |place: &Place| {
-            let off = &b - &place.known;
-            let white = place.root.l_dirty().solve_lower_triangular(&off)?;
-            let log_share = -0.5 * white.norm_squared() - place.log_size;
-            Some((log_share, &place.unknown + &place.gain * off))
-        };
-        let all: Option<Vec<(f64, DVector<f64>)>> = self.places.iter().map(seen).collect();
-        let all = all?;
-        let most = all.iter().map(|(l, _)| *l).fold(f64::NEG_INFINITY, f64::max);
+        let white = self.root.l_dirty().solve_lower_triangular(&b)?;
+        let log_share = |at: &DVector<f64>| -0.5 * (&white - at).norm_squared();
+        let most =
+            self.places.iter().map(|(at, _)| log_share(at)).fold(f64::NEG_INFINITY, f64::max);
         let (mut sum, mut total) = (DVector::zeros(self.split.unknown.len()), 0.0);
-        for (log_share, expected) in all {
-            let share = (log_share - most).exp();
-            sum += expected * share;
+        for (at, offset) in &self.places {
+            let share = (log_share(at) - most).exp();
+            sum += offset * share;
             total += share;
         }
+        let expected = &self.gain * b + sum / total;
         let mut whole = q.clone();
-        for (i, value) in self.split.unknown.iter().zip(&(sum / total)) {
+        for (i, value) in self.split.unknown.iter().zip(&expected) {
             whole[*i] = *value;
         }
         whole.iter().all(|v| v.is_finite()).then_some(whole)
@@ -214,22 +200,20 @@ mod tests {
     fn places_count_by_how_well_they_explain_what_is_known() {
         let model = people();
         let filling = Filling::new(&model, &PLACE).unwrap();
-        let places = model.law.attraction.as_ref().unwrap().where_learned();
-        for row in [3, places.len() / 2] {
-            let mut q = places[row].0.posture.clone();
+        let usual = model.law.attraction.as_ref().unwrap().where_learned();
+        // The naive mixture of all densities of the known coordinates.
+        let spread = model.postures.about_usual.clone().unwrap();
+        let of_known = spread.view((3, 3), (27, 27)).into_owned().cholesky().unwrap();
+        for row in [3, usual.len() / 2] {
+            let mut q = usual[row].clone();
             q[9] += 0.02;
-            // The naive mixture of all densities of the known coordinates.
             let (mut sum, mut total) = (DVector::zeros(3), 0.0);
-            for (usual, height) in &places {
-                let here = model.postures.near(usual, *height);
-                let all = here.covariance.view((3, 3), (27, 27)).into_owned();
-                let (size, factor) = (all.determinant(), all.cholesky().unwrap());
-                let off = (&q - &here.mean).rows_range(3..).into_owned();
-                let solved = factor.solve(&off);
-                // In the unit of 1e-60: the determinant of 27 small variances is tiny.
-                let share = (-0.5 * off.dot(&solved)).exp() / (size * 1e60).sqrt();
-                let gain = here.covariance.view((0, 3), (3, 27)) * solved;
-                sum += (here.mean.rows(0, 3) + gain) * share;
+            for m in &usual {
+                let off = (&q - m).rows_range(3..).into_owned();
+                let solved = of_known.solve(&off);
+                let share = (-0.5 * off.dot(&solved)).exp();
+                let gain = spread.view((0, 3), (3, 27)) * solved;
+                sum += (m.rows(0, 3) + gain) * share;
                 total += share;
             }
             let found = filling.fill(&q).unwrap();
