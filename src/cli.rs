@@ -31,6 +31,7 @@ mod check_scenario;
 mod check_table;
 mod compare;
 mod evaluate;
+mod evaluate_data;
 mod evaluate_print;
 mod experiment;
 mod experiment_size;

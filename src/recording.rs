@@ -27,7 +27,7 @@ mod rigid_bodies;
 pub use axes::{SEGMENT_NAMES, zxy_angles};
 pub use map::{MAP_SCHEMA, Map, Run, read_map};
 pub use markers::{Markers, read_markers};
-pub use remark::{Remark, grouped};
+pub use remark::{BORDERS, Remark, grouped};
 pub use rigid_bodies::read_rigid_bodies;
 
 use crate::files::{InputError, read_bytes, sha256_hex};

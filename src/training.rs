@@ -22,6 +22,7 @@ mod data_file;
 mod dataset;
 mod evaluate;
 mod export;
+mod filled;
 mod fit;
 
 mod fit_remarks;
@@ -83,12 +84,15 @@ pub use motion_file::{
 };
 pub use noise_fit::learn_noise;
 pub use rollout_check::{
-    Bands, LearnedRepetitions, RolloutScore, check_rollouts, learn_repetitions, path_error_deg,
+    Bands, LearnedRepetitions, RolloutScore, TrialWalk, check_rollouts, learn_repetitions,
+    path_error_deg,
 };
 pub use settings::{Lengths, Objective, Optimiser, PullRule, TrainSettings};
 pub use simulated_movements::{Reach, SimulatedMovements};
 pub use size_experiment::{SizeExperiment, SizeQuestion, SizeRow, size_experiment};
-pub use source::{Angles, Source, Whom, provenance, read_person, read_source, remarks_of};
+pub use source::{
+    Angles, Source, Whom, provenance, read_person, read_source, refuse_twice, remarks_of,
+};
 pub use spread::{Residual, learn_attraction, learn_postures, pull, unseen_residuals};
 pub use toy5r_experiment::{
     InSampleCheck, ToyMethod, ToyResult, ToyScore, run_toy, toy_dataset, toy_methods,

@@ -1,19 +1,18 @@
 //! `ergopath evaluate`: how well each method predicts held-out rows of a data file or a recording.
 
+use super::evaluate_data::{Split, problems};
 use super::evaluate_print::{as_json, print_text};
 use super::progress::Progress;
 use super::train::{parse_pelvis, parse_side};
 use super::{Failure, Outcome};
 use crate::files::{InputError, suggest};
-use crate::human::{Body, Pelvis, Side};
-use crate::kinematics::{Linkage, read_urdf};
+use crate::human::{Pelvis, Side};
 use crate::posture::{Hold, Method, Sampling};
-use crate::recording::read_map;
 use crate::training::{
-    DataFile, Dataset, Evaluation, Fold, Judging, Lengths, MethodScore, Objective, Optimiser,
-    PullRule, Source, TrainSettings, Trial, Whom, evaluate, read_data, read_source, remarks_of,
+    Evaluation, Judging, Lengths, MethodScore, Objective, Optimiser, PullRule, TrainSettings,
+    evaluate,
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
@@ -22,28 +21,28 @@ pub(super) struct Args {
     /// Data files (CSV with columns q0.., xdot0.., qdot0.., train, traj; SI and radians) with --chain; or
     /// recordings with --body.
     #[arg(required = true, value_name = "DATA")]
-    data: Vec<PathBuf>,
+    pub data: Vec<PathBuf>,
     /// Chain of the data files: a URDF, base link and tip link.
     #[arg(long, value_name = "FILE:BASE:TIP", required_unless_present = "body")]
-    chain: Option<String>,
+    pub chain: Option<String>,
     /// Body of the person in recordings: a shipped one by name, or a URDF made by `ergopath body`.
     #[arg(long, conflicts_with = "chain")]
-    body: Option<String>,
+    pub body: Option<String>,
     /// Which person of a folder with several.
     #[arg(long, requires = "body")]
-    person: Option<String>,
+    pub person: Option<String>,
     /// What makes the markers of C3D and TRC files, or the points of tables, the segments of a person.
     #[arg(long, value_name = "MAP.toml", requires = "body")]
-    map: Option<PathBuf>,
+    pub map: Option<PathBuf>,
     /// The hand that holds on to the robot.
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
-    side: Side,
+    pub side: Side,
     /// Whether the pelvis of recordings rests, as in the paper, or moves over feet that must be recorded.
     #[arg(long, value_parser = parse_pelvis, default_value = "rests", value_name = "moves|rests")]
-    pelvis: Pelvis,
+    pub pelvis: Pelvis,
     /// Task of the chain: planar (2 rows), position (3) or pose (6); by default by the xdot columns.
     #[arg(long, value_parser = parse_task, value_name = "planar|position|pose")]
-    task: Option<Hold>,
+    pub task: Option<Hold>,
     /// Methods, separated by commas: all, or some of mi-nsgp, gp, w-ik, nsgp, sb-m, promp, full-w,
     /// full-w-gp, plain-ik.
     #[arg(long, value_delimiter = ',', default_value = "all", value_name = "NAME,...")]
@@ -51,11 +50,14 @@ pub(super) struct Args {
     /// Standard deviation of the task velocity, m/s and rad/s; by default from the training rows.
     #[arg(long, value_name = "SD")]
     task_noise: Option<f64>,
+    /// Data to judge on: with it the methods learn from all of DATA, and from nothing else.
+    #[arg(long, num_args = 1.., value_name = "DATA", conflicts_with = "split")]
+    pub test: Vec<PathBuf>,
     /// Which rows are held out: train-column, trials, blocks:N or time:SHARE. By default the train
     /// column where there is one, else trials, else blocks:5. With trials all files are one person's;
     /// otherwise each file is a problem of its own.
     #[arg(long, value_name = "SPLIT")]
-    split: Option<Split>,
+    pub split: Option<Split>,
     /// Also walk along held-out paths: joint error, drift over round trips, coverage of the bands.
     #[arg(long)]
     rollout: bool,
@@ -92,47 +94,13 @@ pub(super) struct Args {
     independent: bool,
     /// Rows per second of files without `time_s`; by default found from q and qdot.
     #[arg(long, value_name = "HZ")]
-    rate: Option<f64>,
+    pub rate: Option<f64>,
     /// Seed of everything random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Print JSON at full precision.
     #[arg(long)]
     json: bool,
-}
-
-/// A way to hold rows out.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Split {
-    TrainColumn,
-    Trials,
-    Blocks(usize),
-    Time(f64),
-}
-
-impl std::str::FromStr for Split {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        let help = || "use train-column, trials, blocks:5 or time:0.6".to_owned();
-        match text.split_once(':') {
-            None if text == "train-column" => Ok(Self::TrainColumn),
-            None if text == "trials" => Ok(Self::Trials),
-            None if text == "blocks" => Ok(Self::Blocks(5)),
-            Some(("blocks", n)) => match n.parse() {
-                Ok(n) if (2..=100).contains(&n) => Ok(Self::Blocks(n)),
-                _ => Err("blocks:N needs a whole number from 2 to 100".to_owned()),
-            },
-            Some(("time", share)) => {
-                match share.parse() {
-                    Ok(share) if share > 0.0 && share < 1.0 => Ok(Self::Time(share)),
-                    _ => Err("time:SHARE needs a number between 0 and 1, for example time:0.6"
-                        .to_owned()),
-                }
-            }
-            _ => Err(suggest(text, ["train-column", "trials", "blocks:5", "time:0.6"])
-                .unwrap_or_else(help)),
-        }
-    }
 }
 
 fn parse_task(text: &str) -> Result<Hold, String> {
@@ -177,15 +145,6 @@ fn methods(names: &[String]) -> Result<Vec<Method>, InputError> {
             })
         })
         .collect()
-}
-
-/// One data set with the splits on which it is judged.
-pub(super) struct Problem {
-    pub name: String,
-    pub dataset: Dataset,
-    folds: Vec<Fold>,
-    pub split: String,
-    pub step: Option<(f64, &'static str)>,
 }
 
 /// Judges and prints.
@@ -253,147 +212,6 @@ fn settings(args: &Args) -> Result<TrainSettings, InputError> {
     };
     settings.check()?;
     Ok(settings)
-}
-
-fn problems(args: &Args) -> Result<Vec<Problem>, InputError> {
-    if let Some(body) = &args.body {
-        return recorded(args, &Body::load(body, Path::new("."))?);
-    }
-    let chain = chain(args.chain.as_deref().unwrap_or_default())?;
-    let files: Result<Vec<DataFile>, InputError> =
-        args.data.iter().map(|path| read_data(path, &chain, args.task, args.rate)).collect();
-    let files = files?;
-    for file in &files {
-        for warning in &file.warnings {
-            complain!("warning: {}: {warning}", file.source);
-        }
-    }
-    let several = files.len() > 1 || files.iter().any(|f| f.dataset.trials > 1);
-    let split = args.split.unwrap_or_else(|| {
-        if files.iter().all(|f| f.train_column.is_some()) {
-            Split::TrainColumn
-        } else if several {
-            Split::Trials
-        } else {
-            Split::Blocks(5)
-        }
-    });
-    if split == Split::Trials {
-        let step = files.first().map(|f| f.step_s);
-        let name = files.iter().map(|f| f.source.clone()).collect::<Vec<_>>().join(", ");
-        let parts: Vec<Dataset> = files.into_iter().map(|f| f.dataset).collect();
-        return Ok(vec![problem(name, Dataset::joined(parts)?, split, None, step)?]);
-    }
-    files
-        .into_iter()
-        .map(|f| problem(f.source, f.dataset, split, f.train_column, Some(f.step_s)))
-        .collect()
-}
-
-/// Recordings of a person: trials of one data set, or a problem each.
-fn recorded(args: &Args, body: &Body) -> Result<Vec<Problem>, InputError> {
-    let map = args.map.as_deref().map(read_map).transpose()?;
-    let whom = Whom {
-        person: args.person.as_deref(),
-        side: args.side,
-        body,
-        pelvis: Some(args.pelvis),
-        map: map.as_ref(),
-    };
-    let sources: Result<Vec<Source>, InputError> =
-        args.data.iter().map(|path| read_source(path, &whom)).collect();
-    let sources = sources?;
-    for remark in remarks_of(&sources) {
-        complain!("warning: {remark}");
-    }
-    let sources: Vec<(String, Vec<Trial>)> =
-        sources.into_iter().map(|s| (s.name, s.trials)).collect();
-    let count: usize = sources.iter().map(|s| s.1.len()).sum();
-    let split = match args.split {
-        Some(Split::TrainColumn) => {
-            return Err(InputError::new("--split", "train-column needs data files")
-                .remedy("use trials, blocks:5 or time:0.6 for recordings"));
-        }
-        Some(split) => split,
-        None if count > 1 => Split::Trials,
-        None => Split::Blocks(5),
-    };
-    if split == Split::Trials {
-        let name = sources.iter().map(|s| s.0.clone()).collect::<Vec<_>>().join(", ");
-        let trials: Vec<Trial> = sources.into_iter().flat_map(|s| s.1).collect();
-        let dataset = Dataset::new(&trials, body, args.side)?;
-        return Ok(vec![problem(name, dataset, split, None, None)?]);
-    }
-    sources
-        .into_iter()
-        .map(|(name, trials)| {
-            problem(name, Dataset::new(&trials, body, args.side)?, split, None, None)
-        })
-        .collect()
-}
-
-fn problem(
-    name: String,
-    dataset: Dataset,
-    split: Split,
-    train_column: Option<Fold>,
-    step: Option<(f64, &'static str)>,
-) -> Result<Problem, InputError> {
-    let (folds, said) = match split {
-        Split::TrainColumn => {
-            let fold = train_column.ok_or_else(|| {
-                InputError::new(&name, "has no column `train`").remedy(
-                    "add it (1 trains, 0 tests), or choose --split trials|blocks:5|time:0.6",
-                )
-            })?;
-            (vec![fold], "rows with train = 0".to_owned())
-        }
-        Split::Trials => {
-            if dataset.trials < 2 {
-                return Err(InputError::new(&name, "holds a single trajectory")
-                    .remedy("use --split blocks:5 or time:0.6"));
-            }
-            (dataset.blocks(), format!("whole trajectories, {} in all", dataset.trials))
-        }
-        Split::Blocks(n) => (dataset.blocks_in_time(n), format!("{n} contiguous blocks in turn")),
-        Split::Time(share) => (
-            vec![dataset.split_in_time(share, 0.0)],
-            format!("the last {:.0} % of the time", 100.0 * (1.0 - share)),
-        ),
-    };
-    if folds.iter().any(|f| f.train.len() < 20 || f.test.is_empty()) {
-        return Err(InputError::new(&name, "leaves too few rows to learn from or to judge on")
-            .remedy("choose another --split"));
-    }
-    Ok(Problem { name, dataset, folds, split: said, step })
-}
-
-/// `FILE:BASE:TIP`; file and link names may hold colons.
-fn chain(text: &str) -> Result<Linkage, InputError> {
-    let form = || {
-        InputError::new("--chain", format!("`{text}` is not of the form FILE:BASE:TIP"))
-            .remedy("for example --chain arm.urdf:base:tip")
-    };
-    let cuts: Vec<usize> = text.match_indices(':').map(|(i, _)| i).collect();
-    let file_end = cuts
-        .iter()
-        .copied()
-        .find(|&i| Path::new(&text[..i]).is_file())
-        .or_else(|| cuts.len().checked_sub(2).map(|i| cuts[i]))
-        .ok_or_else(form)?;
-    let model = read_urdf(Path::new(&text[..file_end]))?;
-    let links = &text[file_end + 1..];
-    let known = |n: &str| model.link_index(n).is_some();
-    let splits = links.match_indices(':').map(|(i, _)| (&links[..i], &links[i + 1..]));
-    let (base, tip) = splits
-        .clone()
-        .find(|(b, t)| known(b) && known(t))
-        .or_else(|| splits.clone().next())
-        .ok_or_else(form)?;
-    Linkage::chain(&model, base, tip).map_err(|e| {
-        InputError::new(&text[..file_end], e.to_string())
-            .remedy(format!("the root link is `{}`; give two links of one branch", model.root()))
-    })
 }
 
 /// The same methods over several problems.

@@ -1,6 +1,6 @@
 //! What `ergopath evaluate` shows: tables, or JSON.
 
-use super::evaluate::Problem;
+use super::evaluate_data::Problem;
 use crate::training::{Evaluation, GroupScore, MethodScore, Percentiles, RolloutScore};
 use crate::words::number::percent;
 use comfy_table::{CellAlignment, Table, presets};
@@ -24,7 +24,8 @@ pub(super) fn as_json(
     let figure = |s: &MethodScore, pick: fn(&GroupScore) -> f64| json!(s.spread(pick));
     let methods: Vec<Value> = merged
         .iter()
-        .map(|s| {
+        .enumerate()
+        .map(|(i, s)| {
             let walk = |pick: fn(&RolloutScore) -> f64| {
                 json!(Percentiles::of(&s.rollouts.iter().map(pick).collect::<Vec<_>>()))
             };
@@ -61,6 +62,7 @@ pub(super) fn as_json(
                 "train_s": s.train_s,
                 "predict_s": s.predict_s,
                 "note": s.note,
+                "trials": trials_json(problems, judged, i),
             })
         })
         .collect();
@@ -84,6 +86,76 @@ pub(super) fn as_json(
         "task_sd": judged.first().map(|j| j.task_sd.clone()),
         "null_floor_rad_s": judged.first().map(|j| j.null_floor_rad_s),
     })
+}
+
+/// The i-th method on each held-out trial of each split.
+fn trials_json(problems: &[Problem], judged: &[Evaluation], i: usize) -> Vec<Value> {
+    let of = |(problem, evaluation): (&Problem, &Evaluation)| -> Vec<Value> {
+        let groups = evaluation.methods.get(i).map_or(&[][..], |s| &s.groups);
+        let one = |g: &GroupScore| {
+            json!({
+                "trial": problem.trials.get(g.trial),
+                "rows": g.rows,
+                "ll_q": g.ll_q,
+                "rmse_q": g.rmse_q,
+                "relative_rmse_q": g.relative_rmse_q,
+                "ll_null": g.ll_null,
+                "walk": g.walk,
+            })
+        };
+        groups.iter().map(one).collect()
+    };
+    problems.iter().zip(judged).flat_map(of).collect()
+}
+
+/// Most held-out trials that are listed as text.
+const MOST_LISTED: usize = 40;
+
+/// A figure of each method on each held-out trial, a row each; none where nothing is held out but one.
+fn by_trial(
+    problems: &[Problem],
+    judged: &[Evaluation],
+    digits: usize,
+    pick: fn(&GroupScore) -> Option<f64>,
+) -> Table {
+    let names = judged.first().map_or(&[][..], |j| &j.methods);
+    let mut header = vec!["held out", "rows"];
+    header.extend(names.iter().map(|s| s.method.name()));
+    let mut table = table_of(&header);
+    for (problem, evaluation) in problems.iter().zip(judged) {
+        let Some(first) = evaluation.methods.first() else { continue };
+        for (row, group) in first.groups.iter().enumerate() {
+            let name = problem.trials.get(group.trial).cloned().unwrap_or_default();
+            let figure = |s: &MethodScore| {
+                let own = s.groups.get(row).filter(|g| g.trial == group.trial);
+                own.and_then(pick).map_or_else(|| "-".to_owned(), |v| number(v, digits))
+            };
+            let cells = evaluation.methods.iter().map(figure);
+            table.add_row([name, group.rows.to_string()].into_iter().chain(cells));
+        }
+    }
+    align(&mut table);
+    table
+}
+
+fn print_by_trial(problems: &[Problem], judged: &[Evaluation], count: usize, has_rollouts: bool) {
+    if count < 2 {
+        return;
+    }
+    if count > MOST_LISTED {
+        say!("\n{count} held-out trials; --json lists each.");
+        return;
+    }
+    let table =
+        |digits, pick: fn(&GroupScore) -> Option<f64>| by_trial(problems, judged, digits, pick);
+    say!("\nBy held-out trial, RMSE of the joint velocity over its rms:");
+    say!("{}", table(3, |g| Some(g.relative_rmse_q)));
+    if has_rollouts {
+        say!("\nMean joint error along the path with the pull, deg:");
+        say!("{}", table(1, |g| Some(g.walk?.pulled_path_error_deg)));
+        say!("\nShare of the joint angles inside the 90 % band:");
+        say!("{}", table(2, |g| Some(g.walk?.coverage_90)));
+    }
 }
 
 pub(super) fn print_text(
@@ -133,6 +205,7 @@ pub(super) fn print_text(
             recorded_text(merged)
         );
     }
+    print_by_trial(problems, judged, groups, has_rollouts);
     say!("\nIdentified W (diagonal, scaled to mean 1; geometric mean over splits):");
     for s in merged.iter().filter(|s| s.method.identifies_weights()) {
         if let Some(w) = weights(s) {

@@ -40,7 +40,8 @@ pub(super) struct Args {
     #[arg(long, value_parser = parse_side, default_value = "right", value_name = "right|left")]
     side: Side,
     /// Whether the pelvis moves over planted feet or rests, as of somebody who sits: by default it moves
-    /// where all recordings hold both legs.
+    /// where all recordings hold both legs. With `moves`, hips and knees of recordings without legs are those
+    /// that the shipped model of recorded people expects of such a posture.
     #[arg(long, value_parser = parse_pelvis, value_name = "moves|rests")]
     pelvis: Option<Pelvis>,
     /// Method of the model: full-w, full-w-gp, mi-nsgp, w-ik, nsgp, sb-m, promp, gp or plain-ik.

@@ -232,6 +232,7 @@ fn station(
         }
         let dataset = Dataset::new(&trials, draft.body, Side::Right)?;
         let provenance = Provenance {
+            filled_from: None,
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             simulated: true,
             adapted_s: None,

@@ -40,6 +40,7 @@ mod tests {
     fn equal_and_independent_directions_count_one_each() {
         let trial = |qdot: &[[f64; 3]]| Trial {
             stepping: Vec::new(),
+            turn: Vec::new(),
             source: String::new(),
             rate_hz: 1.0,
             q: Vec::new(),

@@ -176,6 +176,11 @@ pub enum Caveat {
         /// How long the worker was recorded, s.
         seconds: f64,
     },
+    /// Learned from one person whose hips and knees were not recorded but filled in from several others.
+    FilledLegs {
+        /// How many others.
+        count: usize,
+    },
     /// Learned from one person of another size.
     OtherBody,
 }

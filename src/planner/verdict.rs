@@ -412,6 +412,8 @@ fn caveat(scenario: &Scenario) -> Option<Caveat> {
         Some(Caveat::Adapted { count, seconds })
     } else if count > 1 {
         Some(Caveat::RecordedPeople { count })
+    } else if let Some((_, count)) = model.provenance.filled_from {
+        Some(Caveat::FilledLegs { count })
     } else {
         other_body.then_some(Caveat::OtherBody)
     }

@@ -145,14 +145,14 @@ impl PostureModel {
 }
 
 /// `M_ba M_aa^-1`.
-fn slopes(matrix: &DMatrix<f64>, a: usize) -> Option<DMatrix<f64>> {
+pub(super) fn slopes(matrix: &DMatrix<f64>, a: usize) -> Option<DMatrix<f64>> {
     let b = matrix.nrows() - a;
     let factor = matrix.view((0, 0), (a, a)).into_owned().cholesky()?;
     Some(factor.solve(&matrix.view((0, a), (a, b)).into_owned()).transpose())
 }
 
 /// `M_bb - M_ba M_aa^-1 M_ab`.
-fn rest(matrix: &DMatrix<f64>, a: usize, slopes: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn rest(matrix: &DMatrix<f64>, a: usize, slopes: &DMatrix<f64>) -> DMatrix<f64> {
     let b = matrix.nrows() - a;
     let rest = matrix.view((a, a), (b, b)) - slopes * matrix.view((0, a), (a, b));
     (&rest + rest.transpose()) * 0.5

@@ -386,6 +386,11 @@ impl Attraction {
         UnitQuaternion::from_scaled_axis(turn) * f.reference
     }
 
+    /// The usual postures at all places where it was learned, n each, rad.
+    pub(super) fn where_learned(&self) -> Vec<DVector<f64>> {
+        self.usual_at(&self.inputs).into_iter().map(|usual| usual.posture).collect()
+    }
+
     /// Number of training postures behind the regression.
     pub fn sample_count(&self) -> usize {
         self.inputs.len()
@@ -399,12 +404,16 @@ impl Attraction {
     /// The usual postures for many hand poses, which is faster than one by one.
     pub fn usual_postures(&self, hands: &[Pose], stature_m: f64) -> Vec<UsualPosture> {
         let x: Vec<[f64; 6]> = hands.iter().map(|h| self.features.of(h, stature_m)).collect();
+        self.usual_at(&x)
+    }
+
+    fn usual_at(&self, x: &[[f64; 6]]) -> Vec<UsualPosture> {
         let common = |i: usize| {
             let is_own =
                 self.person.is_some() && self.origins.get(i).map(|o| o.person) == self.person;
             if is_own { 1.0 + PERSON } else { 1.0 }
         };
-        let near = DMatrix::from_fn(self.inputs.len(), hands.len(), |i, j| {
+        let near = DMatrix::from_fn(self.inputs.len(), x.len(), |i, j| {
             common(i) * squared_exponential(&self.inputs[i], &x[j], self.length_scale)
         });
         let prior = if self.person.is_some() { 1.0 + PERSON } else { 1.0 };
@@ -418,7 +427,7 @@ impl Attraction {
                 confidence: (explained / prior).clamp(0.0, 1.0),
             }
         };
-        (0..hands.len()).map(usual).collect()
+        (0..x.len()).map(usual).collect()
     }
 }
 

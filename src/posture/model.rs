@@ -227,6 +227,9 @@ pub struct Provenance {
     /// How long the one worker was recorded to whom the model of several people was adapted, s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adapted_s: Option<f64>,
+    /// The model that hips and knees were filled from where recordings hold no legs, and of how many people it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filled_from: Option<(String, usize)>,
     /// File names of the recordings and the SHA-256 of their bytes.
     pub recordings: Vec<(String, String)>,
     /// Name of the body and the SHA-256 of its files.

@@ -158,6 +158,7 @@ fn simulated(
         standing: None,
         quality: Vec::new(),
         provenance: Provenance {
+            filled_from: None,
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             simulated: true,
             adapted_s: None,

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// What remarks on long gaps are about.
+pub const BORDERS: &str = "borders";
+
 /// Something that a reader should know of one recording; in JSON its text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(into = "String")]

@@ -264,8 +264,14 @@ mod tests {
         let dof = body().chain(coupled, &[]).unwrap().dof();
         let row = |i: usize| (0..dof).map(|c| 0.01 * ((i + c) as f64).sin()).collect::<Vec<_>>();
         let q: Vec<Vec<f64>> = (0..rows).map(row).collect();
-        let trial =
-            Trial { source: "a".into(), rate_hz: 50.0, qdot: q.clone(), q, stepping: Vec::new() };
+        let trial = Trial {
+            source: "a".into(),
+            rate_hz: 50.0,
+            qdot: q.clone(),
+            q,
+            stepping: Vec::new(),
+            turn: Vec::new(),
+        };
         MotionLook::new(&body(), Side::Left, &trial).unwrap()
     }
 

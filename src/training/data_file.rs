@@ -10,12 +10,15 @@ use super::dataset::{DataRow, Dataset, Fold};
 use crate::files::{InputError, NumericTable, suggest};
 use crate::kinematics::Linkage;
 use crate::posture::{Coupling, Hold};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Joint angles beyond this are no radians.
 const LARGEST_ANGLE_RAD: f64 = 25.0;
 /// Part of the task velocity that `J qdot` may miss before the chain is doubted.
 const MISMATCH: f64 = 0.5;
+/// So many time steps without a row are a gap.
+const GAP_STEPS: f64 = 1.5;
 
 /// A data file as a data set.
 #[derive(Debug, Clone)]
@@ -116,11 +119,15 @@ pub fn read_data(
         }
     }
     let step_s = set_times(path, &table, &mut rows, rate_hz)?;
+    let gaps = cut_at_gaps(&mut rows, step_s.0);
     let source = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let coupling = Coupling::of_chain(chain.clone(), hold);
     let dataset = Dataset::of_rows(&source, &rows, coupling)?;
     let train_column = if has("train") { Some(train_fold(path, &table)?) } else { None };
-    let warnings = mismatch(&dataset).into_iter().collect();
+    let gaps = (gaps > 0).then(|| {
+        format!("{gaps} gaps in time_s are borders: a trajectory of its own begins behind each")
+    });
+    let warnings = mismatch(&dataset).into_iter().chain(gaps).collect();
     Ok(DataFile { source, dataset, train_column, step_s, warnings })
 }
 
@@ -168,13 +175,32 @@ fn set_times(
             None => (1.0, "unknown, taken as 1 s"),
         },
     };
-    let mut index = std::collections::BTreeMap::<usize, usize>::new();
+    let mut index = BTreeMap::<usize, usize>::new();
     for row in rows {
         let at = index.entry(row.trial).or_default();
         row.time_s = *at as f64 * step;
         *at += 1;
     }
     Ok((step, how))
+}
+
+/// Makes the rows behind each gap in time a trial of their own, so that nothing goes across it; the number of
+/// gaps.
+fn cut_at_gaps(rows: &mut [DataRow], step_s: f64) -> usize {
+    let trials: BTreeSet<usize> = rows.iter().map(|r| r.trial).collect();
+    let mut free = trials.last().map_or(0, |last| last + 1);
+    // Of each trial of the file: its last time, and what its rows are called now.
+    let mut now: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+    for row in rows {
+        let (last_s, called) = now.entry(row.trial).or_insert((row.time_s, row.trial));
+        if row.time_s - *last_s > GAP_STEPS * step_s {
+            *called = free;
+            free += 1;
+        }
+        *last_s = row.time_s;
+        row.trial = *called;
+    }
+    free - trials.last().map_or(0, |last| last + 1)
 }
 
 /// The time step at which the differences of q fit qdot best, s.
@@ -272,6 +298,23 @@ mod tests {
         for f in &file.dataset.frames {
             assert!((&f.jacobian * &f.qdot - &f.xdot).norm() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_gap_in_time_is_a_border() {
+        let timed = |time: &dyn Fn(usize) -> f64| {
+            let own = text(HEADER, 1.0);
+            let rows = own.lines().skip(1).enumerate();
+            let rows: Vec<String> = rows.map(|(i, line)| format!("{line},{}", time(i))).collect();
+            read(&format!("{HEADER},time_s\n{}\n", rows.join("\n"))).unwrap()
+        };
+        let even = timed(&|i| 0.2 * i as f64);
+        assert_eq!((even.dataset.trials, even.warnings.len()), (1, 0));
+        // Two rows are lost behind the 30th.
+        let cut = timed(&|i| 0.2 * (i + if i < 30 { 0 } else { 2 }) as f64);
+        assert_eq!((cut.dataset.trials, cut.warnings.len()), (2, 1));
+        let runs = super::super::dataset::runs(&cut.dataset.frames.iter().collect::<Vec<_>>());
+        assert_eq!(runs.iter().map(Vec::len).collect::<Vec<_>>(), [30, 30]);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! Frames are thinned to about 30 Hz for second moments and scores; every other one of them (about
 //! 15 Hz) serves everything fitted by likelihood, because neighbouring frames are nearly copies.
 
+use super::filled::Filled;
 use super::fit::JointMotion;
 use super::measurer::Measurer;
 use crate::files::InputError;
@@ -17,6 +18,7 @@ use crate::math::signal::differentiate;
 use crate::posture::{Coupling, Hold, Lowness, Query};
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Rate for second moments and scores, Hz.
 const DENSE_RATE_HZ: f64 = 30.0;
@@ -56,6 +58,8 @@ pub struct Trial {
     pub qdot: Vec<Vec<f64>>,
     /// Whether a foot steps, T; empty where nobody does or nothing is known of it.
     pub stepping: Vec<bool>,
+    /// How the pelvis is turned from where it faces (Z, X, Y), T, rad; empty where `q` holds it or it is not known.
+    pub turn: Vec<[f64; 3]>,
 }
 
 impl From<&JointMotion> for Trial {
@@ -66,6 +70,7 @@ impl From<&JointMotion> for Trial {
             q: motion.q.clone(),
             qdot: motion.qdot.clone(),
             stepping: Vec::new(),
+            turn: Vec::new(),
         }
     }
 }
@@ -90,6 +95,7 @@ impl Trial {
             q: place.collect(),
             qdot,
             stepping: self.stepping,
+            turn: Vec::new(),
         }
     }
 
@@ -101,7 +107,8 @@ impl Trial {
             rate_hz: self.rate_hz,
             q: self.q[range.clone()].to_vec(),
             qdot: self.qdot[range.clone()].to_vec(),
-            stepping: self.stepping.get(range).map_or_else(Vec::new, <[_]>::to_vec),
+            stepping: self.stepping.get(range.clone()).map_or_else(Vec::new, <[_]>::to_vec),
+            turn: self.turn.get(range).map_or_else(Vec::new, <[_]>::to_vec),
         }
     }
 
@@ -167,6 +174,8 @@ pub struct Dataset {
     /// Tells what a whole person does; none where the pelvis rests.
     pub(super) measurer: Option<Measurer>,
     is_of_people: bool,
+    /// What of the pelvis was filled in; none where it was recorded, or rests.
+    pub(super) filled: Option<Arc<Filled>>,
 }
 
 /// What trains and what tests, as indices of frames.
@@ -229,6 +238,7 @@ impl Dataset {
             trials: trials.len(),
             measurer,
             is_of_people: false,
+            filled: None,
         })
     }
 
@@ -302,6 +312,7 @@ impl Dataset {
             trials: counts.len(),
             measurer: None,
             is_of_people: false,
+            filled: None,
         })
     }
 
@@ -344,6 +355,7 @@ impl Dataset {
             trials,
             measurer: self.measurer.clone(),
             is_of_people: self.is_of_people,
+            filled: self.filled.clone(),
         }
     }
 
@@ -601,6 +613,7 @@ pub(super) mod tests {
                 q: rows(|p| p.0),
                 qdot: rows(|p| p.1),
                 stepping: Vec::new(),
+                turn: Vec::new(),
             }
         };
         let trials: Vec<Trial> = (0..trials).map(trial).collect();
@@ -654,6 +667,7 @@ pub(super) mod tests {
         let body = Body::load("female_p50", Path::new(".")).unwrap();
         let still = |count| Trial {
             stepping: Vec::new(),
+            turn: Vec::new(),
             source: "still".into(),
             rate_hz: 30.0,
             q: vec![vec![0.1; 24]; count],

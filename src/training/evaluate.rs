@@ -13,7 +13,7 @@
 use super::dataset::{Dataset, Fold, Frame};
 use super::methods::{Law, WeightUncertainty, learn_laws, singular, weight_uncertainty};
 use super::noise_fit::learn_noise;
-use super::rollout_check::{RolloutScore, check_rollouts};
+use super::rollout_check::{RolloutScore, TrialWalk, check_rollouts};
 use super::settings::TrainSettings;
 use super::spread::unseen_residuals;
 use crate::files::InputError;
@@ -22,6 +22,7 @@ use crate::math::stats::quantile;
 use crate::posture::{Floors, Method, Prediction};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 /// Smallest standard deviation of the task velocity, m/s and rad/s.
@@ -63,6 +64,8 @@ impl Percentiles {
 /// Figures of one method on one group of held-out rows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GroupScore {
+    /// Index of the trial that they are of.
+    pub trial: usize,
     /// Number of rows.
     pub rows: usize,
     /// Mean log-likelihood of the joint velocity, nats.
@@ -77,6 +80,8 @@ pub struct GroupScore {
     pub ll_x: f64,
     /// RMSE of the task velocity, m/s and rad/s.
     pub rmse_x: f64,
+    /// The walk along it, where one was asked for.
+    pub walk: Option<TrialWalk>,
 }
 
 /// What one method achieved.
@@ -216,12 +221,18 @@ fn judge(
     let predictions = predictions.ok_or_else(singular)?;
     score.predict_s += begun.elapsed().as_secs_f64() / test.len().max(1) as f64;
 
-    let mut trials: Vec<usize> = test.iter().map(|f| f.trial).collect();
-    trials.sort_unstable();
-    trials.dedup();
+    let walks = if judging.has_rollouts {
+        let (whole, trials) = check_rollouts(dataset, fold, &law, settings, floors)?;
+        score.rollouts.push(whole);
+        trials
+    } else {
+        BTreeMap::new()
+    };
+    let trials: BTreeSet<usize> = test.iter().map(|f| f.trial).collect();
     for trial in trials {
         let rows = test.iter().copied().zip(&predictions).filter(|(f, _)| f.trial == trial);
-        score.groups.push(group(rows.collect(), floors));
+        let walk = walks.get(&trial).copied();
+        score.groups.push(GroupScore { trial, walk, ..group(rows.collect(), floors) });
     }
     if score.method.identifies_weights() {
         score.weights.push(law.diagonal());
@@ -229,16 +240,13 @@ fn judge(
             score.uncertainty.extend(weight_uncertainty(&law, &train, settings));
         }
     }
-    if judging.has_rollouts {
-        score.rollouts.push(check_rollouts(dataset, fold, &law, settings, floors)?);
-    }
     Ok(())
 }
 
 /// A split into whole demonstrations where the given one cuts them to pieces.
 fn whole_demonstrations(dataset: &Dataset, fold: &Fold) -> Option<Fold> {
     let of = |i: &usize| dataset.frames[*i].demonstration;
-    let test: std::collections::BTreeSet<usize> = fold.test.iter().map(of).collect();
+    let test: BTreeSet<usize> = fold.test.iter().map(of).collect();
     let mixed = fold.train.iter().filter(|i| test.contains(&of(i))).count();
     if mixed * 4 < fold.train.len() {
         return None;
@@ -282,6 +290,7 @@ pub(super) fn group(rows: Vec<(&Frame, &Prediction)>, floors: &Floors) -> GroupS
         rmse_q: (sum.rmse_q / (count * n.max(1) as f64)).sqrt(),
         ll_x: sum.ll_x / count,
         rmse_x: (sum.rmse_x / (count * m.max(1) as f64)).sqrt(),
+        ..sum
     }
 }
 

@@ -174,7 +174,7 @@ mod tests {
             task: DVector::from_element(6, 1e-8),
             null_rad_s: settings.null_floor_rad_s,
         };
-        let score = check_rollouts(&data, fold, &laws[0], &settings, &floors).unwrap();
+        let (score, _) = check_rollouts(&data, fold, &laws[0], &settings, &floors).unwrap();
         let Bands { coverage_90, width_90_deg, .. } = score.bands;
         let held: f64 = curves.joints.iter().map(|j| j.held_90).sum::<f64>() / 24.0;
         assert_relative_eq!(held, coverage_90, max_relative = 1e-9);

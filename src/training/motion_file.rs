@@ -216,7 +216,14 @@ fn as_it_is(source: String, rate_hz: f64, smooth: &[Vec<f64>]) -> Trial {
     let rows = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
         (0..smooth[0].len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()
     };
-    Trial { source, rate_hz, q: rows(smooth), qdot: rows(&rates), stepping: Vec::new() }
+    Trial {
+        source,
+        rate_hz,
+        q: rows(smooth),
+        qdot: rows(&rates),
+        stepping: Vec::new(),
+        turn: Vec::new(),
+    }
 }
 
 /// The text of a joint-motion file of a body: comment lines, header, rows rounded to 1e-5 (s, rad, m).

@@ -14,10 +14,11 @@
 
 use crate::files::InputError;
 use crate::human::{Body, Legs, Side, Stance, pelvis_coordinates, pelvis_in_rest};
-use crate::math::pose::rotation_from_axes;
+use crate::math::pose::{rotation_from_axes, zxy};
 use crate::math::signal::low_pass_zero_phase;
 use crate::math::{Pose, Vec3, stats};
 use crate::recording::{Recording, SegmentTrack};
+use nalgebra::UnitQuaternion;
 
 /// Share of the frames whose lower ankle is below what counts as an ankle on the floor.
 const ON_FLOOR: f64 = 0.05;
@@ -141,10 +142,32 @@ pub(super) fn over_feet(
     Ok(Some(OverFeet { pelvis, leg_m, stepping, shifted }))
 }
 
+/// How a recorded pelvis is turned, seen from where it faces (about Z, X, Y), T, rad: filtered. Empty where a
+/// recording does not hold it.
+pub(super) fn turns_where_it_faces(recording: &Recording, cutoff_hz: f64) -> Vec<[f64; 3]> {
+    let Some(pelvis) = recording.segment("Pelvis") else { return Vec::new() };
+    let turn = |rotation: &UnitQuaternion<f64>| {
+        let axes = facing(rotation);
+        let level = rotation_from_axes(axes, Vec3::z(), axes.cross(&Vec3::z())).inverse();
+        zxy((level * rotation).to_rotation_matrix().matrix())
+    };
+    let raw: Vec<[f64; 3]> = pelvis.rotation.iter().map(turn).collect();
+    let columns: [Vec<f64>; 3] = std::array::from_fn(|c| {
+        let column: Vec<f64> = raw.iter().map(|row| row[c]).collect();
+        low_pass_zero_phase(&column, recording.rate_hz, cutoff_hz)
+    });
+    (0..raw.len()).map(|i| std::array::from_fn(|c| columns[c][i])).collect()
+}
+
+/// Where a pelvis faces, level: its right side stays level however far it bends.
+fn facing(pelvis: &UnitQuaternion<f64>) -> Vec3 {
+    let ahead = Vec3::z().cross(&(pelvis * Vec3::z()));
+    Vec3::new(ahead.x, ahead.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vec3::x)
+}
+
 /// Where the person faces: level, the mean of the feet that do not point backwards, or else as the pelvis.
 fn ahead(sides: [&LegTracks; 2], pelvis: &SegmentTrack, i: usize) -> Vec3 {
-    // The right side of a pelvis stays level however far it bends.
-    let facing = Vec3::z().cross(&(pelvis.rotation[i] * Vec3::z()));
+    let facing = facing(&pelvis.rotation[i]);
     let level = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
     let mut sum = Vec3::zeros();
     for leg in sides {
@@ -153,8 +176,7 @@ fn ahead(sides: [&LegTracks; 2], pelvis: &SegmentTrack, i: usize) -> Vec3 {
             sum += foot.normalize();
         }
     }
-    let found = if sum.norm() > 1e-6 { sum } else { level(facing) };
-    found.try_normalize(1e-9).unwrap_or_else(Vec3::x)
+    if sum.norm() > 1e-6 { sum.normalize() } else { facing }
 }
 
 /// Whether the ball of a foot moves at each frame.
@@ -181,7 +203,6 @@ impl OverFeet {
 mod tests {
     use super::*;
     use crate::human::{Coupled, Head, Pelvis, Skeleton};
-    use nalgebra::UnitQuaternion;
     use std::path::Path;
 
     const PARTS: [&str; 9] = [
@@ -247,6 +268,26 @@ mod tests {
         assert!(seen.shifted < 1e-6, "{}", seen.shifted);
         let other = found(&record(&body("male_p95"), STOOPED, 30), &own);
         assert!(departure(&other.pelvis[17], &STOOPED) < 0.01, "{:?}", other.pelvis[17]);
+    }
+
+    #[test]
+    fn a_pelvis_alone_tells_how_it_is_turned_from_where_it_faces() {
+        let own = body("female_p50");
+        // Feet point ahead and the pelvis faces there: no turn about the vertical.
+        let straight = [-0.08, -0.05, 0.03, -0.6, 0.0, 0.0];
+        let seen = turns_where_it_faces(&record(&own, straight, 30), 6.0);
+        assert!((seen[17][0] + 0.6).abs() < 1e-9 && seen[17][1].hypot(seen[17][2]) < 1e-9);
+        // Turned on feet that stay, its bend and lean are told as before.
+        let turned = [-0.08, -0.05, 0.03, -0.6, 0.05, -0.1];
+        let seen = turns_where_it_faces(&record(&own, turned, 30), 6.0);
+        let up = |turn: &[f64]| {
+            let all = [0.0, 0.0, 0.0, turn[0], turn[1], turn[2]];
+            pelvis_in_rest(&all, 1.0).rotation.inverse() * Vec3::y()
+        };
+        assert!((up(&seen[17]) - up(&turned[3..])).norm() < 1e-9);
+        let mut none = record(&own, straight, 30);
+        none.segments.retain(|t| t.name != "Pelvis");
+        assert!(turns_where_it_faces(&none, 6.0).is_empty());
     }
 
     #[test]

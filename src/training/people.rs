@@ -27,7 +27,7 @@ pub use summary::{Known, RiskAgreement, coverage};
 
 use super::dataset::{Dataset, Trial};
 pub use super::measurer::{FEATURES, Features};
-use super::source::{Source, Whom, read_source, refuse_twice};
+use super::source::{Source, Whom, from_recording, refuse_twice};
 pub use super::standing::StandingScore;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
@@ -116,7 +116,7 @@ fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
         .par_iter()
         .zip(&recordings)
         .map(|(path, recording)| {
-            let source = read_source(path, &whom)?;
+            let source = from_recording(recording, &whom)?;
             let seen = recorded(recording, entry.side)?;
             let trial = source.trials.first().cloned();
             let trial = trial.ok_or_else(|| InputError::new(path, "holds no movement"))?;

@@ -35,6 +35,7 @@ use crate::posture::{
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Rollouts of a band, and while the noise is calibrated.
 pub(super) const ROLLOUTS: u32 = 100;
@@ -100,7 +101,18 @@ pub struct Bands {
     pub width_90_deg: f64,
 }
 
-/// Judges a law (with its noise) on the test part of a fold.
+/// What a walk along one held-out trial was like.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TrialWalk {
+    /// Mean joint error along the path without the pull, deg.
+    pub path_error_deg: f64,
+    /// The same with the pull of the settings; per metre where they have none.
+    pub pulled_path_error_deg: f64,
+    /// Share of joint angles inside the 90 % band, over all times.
+    pub coverage_90: f64,
+}
+
+/// Judges a law (with its noise) on the test part of a fold: all of it, and each of its trials by index.
 ///
 /// # Errors
 /// Where the chain is singular in the data.
@@ -110,7 +122,7 @@ pub fn check_rollouts(
     law: &Law,
     settings: &TrainSettings,
     floors: &Floors,
-) -> Result<RolloutScore, InputError> {
+) -> Result<(RolloutScore, BTreeMap<usize, TrialWalk>), InputError> {
     let train = dataset.select(&fold.train);
     let test = dataset.select(&fold.test);
     let paths = pieces(&test);
@@ -124,22 +136,34 @@ pub fn check_rollouts(
         if settings.goes_with_hand(dataset.person.is_some()) { &per_metre } else { &per_second };
     let error = |law: &PostureLaw| path_error_deg(dataset, law, &test);
     let (sampled, repetitions) = sampled_law(dataset, &fold.train, law, settings)?;
-    let (bands, reach_exceeded_share) =
-        bands(dataset, &sampled, &paths, ROLLOUTS, (settings.seed, settings.sampling))?;
+    let how = (settings.seed, settings.sampling);
+    let (each, reach_exceeded_share) = insides(dataset, &sampled, &paths, ROLLOUTS, how)?;
+    let trial = |trial: usize| {
+        let frames: Vec<&Frame> = test.iter().copied().filter(|f| f.trial == trial).collect();
+        let own = each.iter().zip(&paths).filter(|(_, path)| path[0].trial == trial);
+        TrialWalk {
+            path_error_deg: path_error_deg(dataset, &free, &frames),
+            pulled_path_error_deg: path_error_deg(dataset, pulled, &frames),
+            coverage_90: Inside::total(own.map(|(inside, _)| inside)).coverage_90,
+        }
+    };
+    let trials: BTreeSet<usize> = test.iter().map(|f| f.trial).collect();
+    let trials = trials.into_iter().map(|t| (t, trial(t))).collect();
     let (pull_metre, pull_second) = (error(&per_metre), error(&per_second));
     let by_hand = std::ptr::eq(pulled, &raw const per_metre);
-    Ok(RolloutScore {
+    let score = RolloutScore {
         path_error_deg: error(&free),
         pulled_path_error_deg: if by_hand { pull_metre } else { pull_second },
         rule_error_deg: (pull_metre, pull_second),
         rest_deg_s: (rest_deg_s(dataset, &sampled, &paths, settings)?, recorded_rest_deg_s(&test)),
         drift_deg: (drift_deg(dataset, &free, &paths), drift_deg(dataset, pulled, &paths)),
-        bands,
+        bands: Inside::total(&each),
         trajectory_ll: trajectory_ll(dataset, &sampled, &paths, floors)?,
         calibration: repetitions.calibration,
         is_pulled: repetitions.is_pulled,
         reach_exceeded_share,
-    })
+    };
+    Ok((score, trials))
 }
 
 /// The law by which repetitions are drawn along what `train` does not hold: with its pull where that
@@ -447,25 +471,22 @@ pub(super) fn band_end(sorted: &[f64], p: f64) -> f64 {
     quantile_of_sorted(sorted, ((p * (count + 1.0) - 1.0) / (count - 1.0)).clamp(0.0, 1.0))
 }
 
-/// Bands of sampled rollouts along paths, and the share of walks that could not continue.
-pub(super) fn bands(
-    dataset: &Dataset,
-    law: &PostureLaw,
-    paths: &[Vec<&Frame>],
-    rollouts: u32,
-    (seed, sampling): (u64, Sampling),
-) -> Result<(Bands, f64), InputError> {
-    let sampler = Sampler::new(law, sampling).ok_or_else(singular)?;
-    let (mut sum, mut count, mut ended) = (Bands::default(), 0.0, 0);
-    let mut ends = 0.0;
-    for (p, run) in paths.iter().enumerate() {
-        let walks = walks(dataset, law, &sampler, (p, run), (rollouts, seed));
-        ended += walks.iter().filter(|w| w.reach_exceeded_at.is_some()).count();
-        let n = run[0].q.len();
+/// What the bands of one path held, added up over joint angles.
+#[derive(Debug, Clone, Default)]
+struct Inside {
+    sum: Bands,
+    /// Joint angles, and those at the end of the path.
+    count: f64,
+    ends: f64,
+}
+
+impl Inside {
+    fn of(run: &[&Frame], walks: &[Rollout]) -> Self {
+        let mut own = Self::default();
         let mut values = vec![0.0; walks.len()];
         for (k, frame) in run.iter().enumerate().skip(1) {
-            for j in 0..n {
-                values.iter_mut().zip(&walks).for_each(|(v, w)| *v = w.q[k][j]);
+            for j in 0..frame.q.len() {
+                values.iter_mut().zip(walks).for_each(|(v, w)| *v = w.q[k][j]);
                 values.sort_by(f64::total_cmp);
                 let at = |p: f64| band_end(&values, p);
                 let inside = |low: f64, high: f64| {
@@ -473,26 +494,70 @@ pub(super) fn bands(
                 };
                 let (low, high) = (at(0.05), at(0.95));
                 let within = inside(low, high);
-                sum.coverage_90 += within;
-                sum.coverage_50 += inside(at(0.25), at(0.75));
-                sum.width_90_deg += (high - low).to_degrees();
-                count += 1.0;
+                own.sum.coverage_90 += within;
+                own.sum.coverage_50 += inside(at(0.25), at(0.75));
+                own.sum.width_90_deg += (high - low).to_degrees();
+                own.count += 1.0;
                 if k + 1 == run.len() {
-                    sum.end_coverage_90 += within;
-                    ends += 1.0;
+                    own.sum.end_coverage_90 += within;
+                    own.ends += 1.0;
                 }
             }
         }
+        own
     }
-    let of = |v: f64, c: f64| v / f64::max(c, 1.0);
-    let bands = Bands {
-        coverage_50: of(sum.coverage_50, count),
-        coverage_90: of(sum.coverage_90, count),
-        end_coverage_90: of(sum.end_coverage_90, ends),
-        width_90_deg: of(sum.width_90_deg, count),
-    };
+
+    /// Shares and mean over all angles of some paths.
+    fn total<'a>(paths: impl IntoIterator<Item = &'a Self>) -> Bands {
+        let mut all = Self::default();
+        for own in paths {
+            all.sum.coverage_50 += own.sum.coverage_50;
+            all.sum.coverage_90 += own.sum.coverage_90;
+            all.sum.end_coverage_90 += own.sum.end_coverage_90;
+            all.sum.width_90_deg += own.sum.width_90_deg;
+            all.count += own.count;
+            all.ends += own.ends;
+        }
+        let of = |v: f64, c: f64| v / f64::max(c, 1.0);
+        Bands {
+            coverage_50: of(all.sum.coverage_50, all.count),
+            coverage_90: of(all.sum.coverage_90, all.count),
+            end_coverage_90: of(all.sum.end_coverage_90, all.ends),
+            width_90_deg: of(all.sum.width_90_deg, all.count),
+        }
+    }
+}
+
+/// Bands of sampled rollouts along paths, and the share of walks that could not continue.
+pub(super) fn bands(
+    dataset: &Dataset,
+    law: &PostureLaw,
+    paths: &[Vec<&Frame>],
+    rollouts: u32,
+    how: (u64, Sampling),
+) -> Result<(Bands, f64), InputError> {
+    let (each, ended) = insides(dataset, law, paths, rollouts, how)?;
+    Ok((Inside::total(&each), ended))
+}
+
+/// The same of each path.
+fn insides(
+    dataset: &Dataset,
+    law: &PostureLaw,
+    paths: &[Vec<&Frame>],
+    rollouts: u32,
+    (seed, sampling): (u64, Sampling),
+) -> Result<(Vec<Inside>, f64), InputError> {
+    let sampler = Sampler::new(law, sampling).ok_or_else(singular)?;
+    let mut ended = 0;
+    let mut each = Vec::with_capacity(paths.len());
+    for (p, run) in paths.iter().enumerate() {
+        let walks = walks(dataset, law, &sampler, (p, run), (rollouts, seed));
+        ended += walks.iter().filter(|w| w.reach_exceeded_at.is_some()).count();
+        each.push(Inside::of(run, &walks));
+    }
     let walks = f64::from(rollouts) * paths.len().max(1) as f64;
-    Ok((bands, ended as f64 / walks))
+    Ok((each, ended as f64 / walks))
 }
 
 /// Time by the clock of the noise at each frame of a run, s; no two frames share it.

@@ -58,6 +58,7 @@ impl Reach {
         let every_second = |rows: Vec<Vec<f64>>| rows.into_iter().step_by(2).collect();
         Trial {
             stepping: Vec::new(),
+            turn: Vec::new(),
             source: dense.source,
             rate_hz: 0.5 * dense.rate_hz,
             q: every_second(dense.q),

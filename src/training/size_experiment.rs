@@ -185,6 +185,7 @@ fn first_frames(trials: &[Trial], count: usize) -> Vec<Trial> {
         left -= size;
         first.push(Trial {
             stepping: Vec::new(),
+            turn: Vec::new(),
             source: trial.source.clone(),
             rate_hz: trial.rate_hz,
             q: trial.q[..size].to_vec(),

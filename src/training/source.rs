@@ -1,15 +1,17 @@
 //! The recordings of one person, read and fitted: what a model is learned from.
 
 use super::dataset::{Dataset, Trial};
+use super::filled::fill_pelvis;
 use super::fit::{FitSettings, fit};
 use super::fit_report::FitReport;
 use super::motion_file::read_motion;
-use super::over_feet::{OverFeet, over_feet};
+use super::over_feet::{OverFeet, over_feet, turns_where_it_faces};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
-use crate::recording::{Map, Reading, Recording, Remark, grouped, read_with};
+use crate::recording::{BORDERS, Map, Reading, Recording, Remark, Run, grouped, read_runs};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Joints from the pelvis to a grip.
 const ARM_JOINTS: usize = 24;
@@ -80,6 +82,11 @@ impl Source {
             Angles::Given { .. } => None,
         }
     }
+
+    /// Whether its postures hold a pelvis that moves.
+    pub(super) fn moves_pelvis(&self) -> bool {
+        self.trials.iter().flat_map(|t| &t.q).all(|q| q.len() > ARM_JOINTS)
+    }
 }
 
 /// Reads all recordings of one person and makes them one data set.
@@ -91,13 +98,20 @@ pub fn read_person(
     recordings: &[PathBuf],
     whom: &Whom,
 ) -> Result<(Vec<Source>, Dataset), InputError> {
+    // Legs that are asked for and missing are filled in below.
+    let willing = Whom { pelvis: whom.pelvis.filter(|p| *p == Pelvis::Rests), ..*whom };
     let sources: Result<Vec<Source>, InputError> =
-        recordings.iter().map(|path| read_source(path, whom)).collect();
+        recordings.iter().map(|path| read_source(path, &willing)).collect();
     let mut sources = sources?;
     refuse_mixture(&sources)?;
+    let filled = match whom.pelvis {
+        Some(Pelvis::Moves) => fill_pelvis(&mut sources, (whom.body, whom.side))?,
+        _ => None,
+    };
     rest_where_one_must(&mut sources);
     let trials: Vec<Trial> = sources.iter().flat_map(|s| s.trials.clone()).collect();
-    let dataset = Dataset::new(&trials, whom.body, whom.side)?;
+    let mut dataset = Dataset::new(&trials, whom.body, whom.side)?;
+    dataset.filled = filled.map(Arc::new);
     Ok((sources, dataset))
 }
 
@@ -110,7 +124,36 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
     if is_csv && !path.is_dir() && whom.map.is_none() {
         return from_angles(path, whom);
     }
-    from_recording(&read_with(path, &whom.reading())?, whom)
+    from_runs(&read_runs(path, &whom.reading())?, whom)
+}
+
+/// Fits the body to the runs of a recording between its long gaps, each a trial of its own.
+fn from_runs(runs: &[Run], whom: &Whom) -> Result<Source, InputError> {
+    let fitted: Result<Vec<Source>, InputError> =
+        runs.iter().map(|run| from_recording(&run.recording, whom)).collect();
+    let mut fitted = fitted?;
+    let longest = (0..runs.len()).max_by_key(|&i| (runs[i].recording.frames(), usize::MAX - i));
+    let Some(longest) = longest.filter(|_| runs.len() > 1) else {
+        return fitted.pop().ok_or_else(|| InputError::new("recording", "holds no movement"));
+    };
+    let mut spans = Vec::new();
+    for (run, own) in runs.iter().zip(&mut fitted) {
+        let (from, to) = (run.first_frame, run.first_frame + run.recording.frames() - 1);
+        spans.push(format!("{from} to {to}"));
+        for trial in &mut own.trials {
+            trial.source = format!("{} frames {from} to {to}", own.name);
+        }
+    }
+    let trials = fitted.iter().flat_map(|own| own.trials.clone()).collect();
+    let mut whole = fitted.swap_remove(longest);
+    whole.remarks.retain(|r| r.about != BORDERS);
+    let text = format!(
+        "{} runs between long gaps, each a trial of its own: frames {}; what is said of the fit is true of the longest",
+        runs.len(),
+        spans.join(", ")
+    );
+    whole.remarks.insert(0, Remark::new(BORDERS, text).of_size(1.0));
+    Ok(Source { trials, ..whole })
 }
 
 /// Fits the body to a recording.
@@ -128,6 +171,8 @@ pub(super) fn from_recording(recording: &Recording, whom: &Whom) -> Result<Sourc
         } else if whom.pelvis.is_some() {
             return Err(InputError::new(&recording.source, "does not hold both legs")
                 .remedy("a pelvis that moves is told from the feet: leave it at rest"));
+        } else {
+            trial.turn = turns_where_it_faces(recording, settings.cutoff_hz);
         }
     }
     Ok(Source {
@@ -183,10 +228,11 @@ fn standing_remarks(standing: &OverFeet) -> Vec<Remark> {
 
 /// One recording without legs leaves every pelvis at rest.
 fn rest_where_one_must(sources: &mut [Source]) {
-    let moves = |s: &Source| s.trials.iter().flat_map(|t| &t.q).all(|q| q.len() > ARM_JOINTS);
-    let Some(still) = sources.iter().find(|s| !moves(s)).map(|s| s.name.clone()) else { return };
+    let Some(still) = sources.iter().find(|s| !s.moves_pelvis()).map(|s| s.name.clone()) else {
+        return;
+    };
     for source in sources.iter_mut().filter(|s| s.fit().is_some()) {
-        if moves(source) {
+        if source.moves_pelvis() {
             let text = format!("learned over a pelvis that rests, as {still} holds no legs");
             source.remarks.push(Remark::new("resting pelvis", text));
             source.trials.iter_mut().for_each(Trial::leave_pelvis);
@@ -208,7 +254,10 @@ fn refuse_mixture(sources: &[Source]) -> Result<(), InputError> {
 }
 
 /// A recording that is given twice would be held out and teach at once.
-pub(super) fn refuse_twice(sources: &[&Source]) -> Result<(), InputError> {
+///
+/// # Errors
+/// Where two have the same bytes.
+pub fn refuse_twice(sources: &[&Source]) -> Result<(), InputError> {
     for (i, source) in sources.iter().enumerate() {
         if sources[..i].iter().any(|s| s.sha256 == source.sha256) {
             return Err(InputError::new(&source.name, "is given twice")
@@ -254,6 +303,7 @@ pub fn provenance(sources: &[Source], whom: &Whom) -> Provenance {
         simulated: sources.iter().any(|s| s.simulated),
         adapted_s: None,
         people: 1,
+        filled_from: None,
         recordings: sources.iter().map(|s| (s.name.clone(), s.sha256.clone())).collect(),
         body: (whom.body.name.clone(), whom.body.sha256()),
         settings,

@@ -8,7 +8,7 @@
 
 use super::dataset::{Dataset, Frame};
 use super::evaluate::{Judging, MethodScore, evaluate};
-use super::methods::{Law, learn_laws};
+use super::methods::{Law, learn_laws, singular};
 use super::modes::{learn_modes, modes_note};
 use super::rollout_check::{LearnedRepetitions, learn_repetitions};
 use super::settings::{PullRule, TrainSettings};
@@ -67,13 +67,20 @@ pub fn learn(
     let law = laws.into_iter().next().ok_or_else(|| InputError::new(name, "has no law"))?;
     let repetitions = learn_repetitions(dataset, &every, &law, settings)?;
     let people: BTreeSet<usize> = dataset.frames.iter().map(|f| f.person).collect();
-    let mut provenance = Provenance { people: people.len(), ..provenance };
+    let filled_from =
+        dataset.filled.as_ref().map(|f| (f.whole.name.clone(), f.whole.provenance.people));
+    let mut provenance = Provenance { people: people.len(), filled_from, ..provenance };
     provenance.settings.extend(described(settings, &law, &repetitions, dataset));
     provenance.notes.extend(notes(dataset, &law, &repetitions, settings));
-    let modes = learn_modes(dataset, &law, &repetitions, settings)?;
+    // Knees that were filled in tell no ways of reaching down.
+    let modes = if dataset.filled.is_some() {
+        None
+    } else {
+        learn_modes(dataset, &law, &repetitions, settings)?
+    };
     provenance.notes.extend(modes.as_ref().map(modes_note));
     let (law, postures) = learn_way(dataset, law, &repetitions, settings);
-    Ok(PostureModel {
+    let model = PostureModel {
         name: name.to_owned(),
         method,
         side,
@@ -85,7 +92,11 @@ pub fn learn(
         standing: learn_standing(dataset),
         quality: Vec::new(),
         provenance,
-    })
+    };
+    match &dataset.filled {
+        Some(filled) => model.unsure_of(&filled.what, &filled.whole).ok_or_else(singular),
+        None => Ok(model),
+    }
 }
 
 /// Methods that are judged beside the chosen one of one person; people who are left out judge others

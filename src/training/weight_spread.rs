@@ -143,6 +143,7 @@ mod tests {
 
     fn model(data: &Dataset, method: Method) -> PostureModel {
         let provenance = Provenance {
+            filled_from: None,
             program_version: String::new(),
             simulated: true,
             adapted_s: None,

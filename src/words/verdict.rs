@@ -183,6 +183,10 @@ pub fn caveat(c: Caveat) -> Cow<'static, str> {
             "{count} recorded people and {seconds:.1} s of one worker, not your other workers"
         )
         .into(),
+        Caveat::FilledLegs { count } => format!(
+            "hips and knees were not recorded but filled in from {count} recorded people, not your workers"
+        )
+        .into(),
         Caveat::OtherBody => "learned from one person of another size, not your workers".into(),
     }
 }

@@ -41,14 +41,23 @@ pub fn plan(room: &TempDir, scenario: &Path, output: &str) -> Command {
 
 /// The first three movements of the shipped demonstration, as a file of its own in the folder.
 pub fn short_demonstration(room: &Path) -> PathBuf {
+    part_of_demonstration(room, "three.csv", 1..=3)
+}
+
+/// Some movements of the shipped demonstration (from 1), as a file of its own in the folder.
+pub fn part_of_demonstration(
+    room: &Path,
+    name: &str,
+    movements: std::ops::RangeInclusive<u32>,
+) -> PathBuf {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("scenarios/demonstrations/simulated_operator.csv");
     let text = std::fs::read_to_string(shipped).unwrap();
     let is_kept = |line: &&str| {
-        let trial = line.split(',').next().and_then(|t| t.parse::<f64>().ok());
-        trial.is_none_or(|t| t < 4.0)
+        let trial = line.split(',').next().and_then(|t| t.parse::<u32>().ok());
+        trial.is_none_or(|t| movements.contains(&t))
     };
-    let path = room.join("three.csv");
+    let path = room.join(name);
     std::fs::write(&path, text.lines().filter(is_kept).collect::<Vec<_>>().join("\n")).unwrap();
     path
 }

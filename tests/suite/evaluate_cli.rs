@@ -143,6 +143,65 @@ fn exported_data_and_recordings_are_judged_with_rollouts() {
 }
 
 #[test]
+fn what_trains_and_what_tests_may_be_named_and_each_trial_is_judged() {
+    let room = tempfile::tempdir().unwrap();
+    let part = |name: &str, movements| {
+        let path = common::part_of_demonstration(room.path(), name, movements);
+        path.to_str().unwrap().to_owned()
+    };
+    let (a, b, c) = (part("a.csv", 1..=8), part("b.csv", 9..=10), part("c.csv", 11..=11));
+    let judged = |files: &[&str], more: &[&str]| {
+        let mut all = vec!["evaluate"];
+        all.extend(files);
+        all.extend(["--body", "female_p50", "--methods", "plain-ik,full-w", "--json"]);
+        all.extend(more);
+        json(&ergopath(&all).success().get_output().stdout)
+    };
+    let both = judged(&[&a, "--test", &b, &c], &["--rollout"]);
+    assert_eq!(both["data"][0]["split"], "b.csv, c.csv");
+    let trials = |found: &serde_json::Value, method: usize| {
+        found["methods"][method]["trials"].as_array().unwrap().clone()
+    };
+    let names: Vec<String> =
+        trials(&both, 1).iter().map(|t| t["trial"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(names, ["b.csv trial 9", "b.csv trial 10", "c.csv trial 11"]);
+    // What tests beside it teaches nothing: the figures of c are those where it tests alone.
+    let alone = judged(&[&a, "--test", &c], &["--rollout"]);
+    for method in [0, 1] {
+        let (own, among) = (&trials(&alone, method)[0], &trials(&both, method)[2]);
+        for figure in ["rows", "ll_q", "rmse_q", "relative_rmse_q"] {
+            assert_eq!(own[figure], among[figure], "{figure}");
+        }
+        assert_eq!(own["walk"]["pulled_path_error_deg"], among["walk"]["pulled_path_error_deg"]);
+    }
+    // The whole is what its trials make: a walk counts by its frames.
+    let of = |figure: &str| {
+        let all = trials(&both, 1);
+        let rows = |t: &serde_json::Value| t["rows"].as_f64().unwrap();
+        let sum: f64 = all.iter().map(|t| rows(t) * t["walk"][figure].as_f64().unwrap()).sum();
+        sum / all.iter().map(rows).sum::<f64>()
+    };
+    let whole = &both["methods"][1]["rollout"];
+    let error = whole["pulled_path_error_deg"]["median"].as_f64().unwrap();
+    assert!((of("pulled_path_error_deg") - error).abs() < 1e-9);
+    let coverage = whole["coverage_90"]["median"].as_f64().unwrap();
+    assert!((of("coverage_90") - coverage).abs() < 0.005, "{coverage}");
+    // And a law that learned from more is another.
+    let more = judged(&[&a, &b, "--test", &c], &[]);
+    assert_ne!(trials(&more, 1)[0]["rmse_q"], trials(&alone, 1)[0]["rmse_q"]);
+
+    ergopath(&["evaluate", &a, "--test", &a, "--body", "female_p50"])
+        .code(2)
+        .stderr(contains("is given twice"));
+    ergopath(&["evaluate", &a, "--test", &c, "--split", "trials", "--body", "female_p50"])
+        .code(2)
+        .stderr(contains("cannot be used with"));
+    ergopath(&["evaluate", &a, "--test", &b, "--body", "female_p50", "--methods", "full-w"])
+        .success()
+        .stdout(contains("By held-out trial").and(contains("b.csv trial 10")));
+}
+
+#[test]
 fn the_toy_experiment_writes_its_figure_and_scores() {
     let folder = tempfile::tempdir().unwrap();
     let constants = folder.path().join("c.toml");

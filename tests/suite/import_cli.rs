@@ -120,6 +120,51 @@ fn markers_are_learned_from_judged_scored_and_explained_with_a_map() {
 }
 
 #[test]
+fn a_recording_without_legs_is_made_whole_where_that_is_asked_for() {
+    let room = tempfile::tempdir().unwrap();
+    let (file, map) = places(room.path(), 0..0);
+    let model = room.path().join("m.json");
+    let train = |more: &[&str]| {
+        let mut command = ergopath();
+        command.arg("train").arg(&file).arg("--map").arg(&map).arg("-o").arg(&model);
+        command.args(["--body", "male_p50", "--method", "full-w"]).args(more);
+        command
+    };
+    let read = || -> Value { serde_json::from_slice(&std::fs::read(&model).unwrap()).unwrap() };
+    train(&[]).assert().success();
+    let resting = read();
+    let told =
+        contains("holds no legs").and(contains("`people` (5 recorded people, not your workers)"));
+    train(&["--pelvis", "moves"]).assert().success().stderr(told);
+    let whole = read();
+    let of = |model: &Value, key: &str| model[key].as_array().unwrap().len();
+    assert_eq!((of(&resting, "joints"), of(&whole, "joints")), (24, 30));
+    assert!(resting["provenance"]["filled_from"].is_null());
+    assert_eq!(whole["provenance"]["filled_from"], serde_json::json!(["people", 5]));
+    assert!(whole["provenance"]["notes"].to_string().contains("holds no legs"));
+    ergopath().arg("check").arg(&model).assert().success().stdout(contains("holds no legs"));
+    // Where legs must be recorded, nothing is filled in.
+    let evaluate = || {
+        let mut command = ergopath();
+        command.arg("evaluate").arg(&file).arg("--map").arg(&map);
+        command.args(["--body", "male_p50", "--pelvis", "moves"]);
+        command
+    };
+    assert_refused(&mut evaluate(), "does not hold both legs");
+    // A simulated operator is not made whole of people.
+    let simulated = crate::common::short_demonstration(room.path());
+    assert_refused(
+        ergopath()
+            .arg("train")
+            .arg(&simulated)
+            .args(["--body", "female_p50", "-o"])
+            .arg(&model)
+            .args(["--pelvis", "moves"]),
+        "is of a simulated operator",
+    );
+}
+
+#[test]
 fn a_people_file_names_a_map_for_each_person() {
     let room = tempfile::tempdir().unwrap();
     places(room.path(), 0..0);
@@ -162,6 +207,22 @@ fn an_import_is_read_again_and_long_gaps_are_borders() {
         .assert()
         .success()
         .stdout(contains("2 trials"));
+    // The same where the markers are judged as they are: nothing goes across the gap.
+    let judged = ergopath()
+        .arg("evaluate")
+        .arg(&file)
+        .arg("--map")
+        .arg(&map)
+        .args(["--body", body, "--methods", "plain-ik", "--json"])
+        .assert()
+        .success()
+        .stderr(contains("frames 0 to 99, 130 to 299"));
+    let judged: Value = serde_json::from_slice(&judged.get_output().stdout).unwrap();
+    assert_eq!(judged["data"][0]["trajectories"], 2);
+    let trials = judged["methods"][0]["trials"].as_array().unwrap();
+    // 50 Hz, of which every second frame is kept.
+    let rows: Vec<_> = trials.iter().map(|t| t["rows"].as_u64().unwrap()).collect();
+    assert_eq!(rows, [50, 85]);
     let quality = std::fs::read_to_string(out.join("quality.csv")).unwrap();
     assert_eq!(quality.lines().count(), 1 + 2 * 4, "{quality}");
 }

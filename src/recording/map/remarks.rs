@@ -4,7 +4,7 @@ use super::Map;
 use super::fill::Filled;
 use super::parts::Made;
 use crate::files::InputError;
-use crate::recording::Remark;
+use crate::recording::{BORDERS, Remark};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -88,7 +88,7 @@ fn borders(taken: &Taken, (from, to): (usize, usize)) -> Option<Remark> {
         taken.map.longest_gap_s,
         seconds(taken.left_out)
     );
-    Some(Remark::new("borders", text).of_size(LOUD))
+    Some(Remark::new(BORDERS, text).of_size(LOUD))
 }
 
 fn gaps(taken: &Taken) -> Option<Remark> {

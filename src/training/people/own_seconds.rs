@@ -88,6 +88,7 @@ fn nowhere() -> Provenance {
         simulated: false,
         people: 1,
         adapted_s: None,
+        filled_from: None,
         recordings: Vec::new(),
         body: (String::new(), String::new()),
         settings: Vec::new(),
