@@ -183,13 +183,12 @@ fn sketch(args: &Args, asker: Option<Asker>) -> Result<(Sketch, Vec<String>), In
         base_link: args.base_link.clone().unwrap_or_default(),
         tcp: args.tcp.clone().unwrap_or_default(),
     });
-    let robot = match own_urdf {
-        Some(urdf) => urdf,
-        None => {
-            let words = format!("Robot ({})", names(&PRESETS));
-            let name = answers.of(args.robot, ("robot", &words), "ur10e", robot)?;
-            SketchRobot::Preset(name.to_owned())
-        }
+    let robot = if let Some(urdf) = own_urdf {
+        urdf
+    } else {
+        let words = format!("Robot ({})", names(&PRESETS));
+        let name = answers.of(args.robot, ("robot", &words), "ur10e", robot)?;
+        SketchRobot::Preset(name.to_owned())
     };
     let hands_words = ("hands", "Hands on the robot (right, left, both)");
     let hands = answers.of(args.hands, hands_words, "right", hands)?;
@@ -245,7 +244,7 @@ fn usual_places(hands: Hands, seat_height_m: Option<f64>) -> [String; 2] {
         Some(seat) => [seat + 0.35, seat + 0.45],
     };
     [(0.4, side, heights[0]), (0.45, inner, heights[1])]
-        .map(|(x, y, z)| format!("{x}, {y}, {:.2}", z))
+        .map(|(x, y, z)| format!("{x}, {y}, {z:.2}"))
 }
 
 /// A file as a scenario names it: relative where it lies beside the scenario or below.

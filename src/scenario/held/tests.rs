@@ -30,7 +30,8 @@ fn cell_with_base(
     std::fs::write(&path, text).unwrap();
     read_scenario(&path).map_err(|e| {
         let shown = format!("{:?}", miette::Report::new(e));
-        shown.split_whitespace().collect::<Vec<_>>().join(" ")
+        // However the message is wrapped.
+        shown.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
     })
 }
 
@@ -94,7 +95,7 @@ fn a_named_grip_is_as_the_worker_sees_it_whatever_the_tool() {
                 &format!("facing_deg = {facing}"),
                 "grip = \"palm_down_bar\"\nposition_m = [0, 0.02, 0.1]",
                 &start,
-                &start.replace("1\n", "1.2\n"),
+                &start.replace("1]\n", "1.2]\n"),
             )
             .unwrap();
             let facing = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), turn);
@@ -116,7 +117,7 @@ fn a_named_grip_is_as_the_worker_sees_it_whatever_the_tool() {
 fn a_tool_that_only_points_has_its_x_axis_ahead_or_up() {
     let turn = |pointing: &str, facing: &str| {
         let start = format!("position_m = [0.5, 0, 1]\npointing = {pointing}");
-        let goal = start.replace("1\n", "1.2\n");
+        let goal = start.replace("1]\n", "1.2]\n");
         let grip = "grip = \"vertical_handle\"";
         cell(&format!("facing_deg = {facing}"), grip, &start, &goal).unwrap().start.rotation
     };
