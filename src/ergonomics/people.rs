@@ -18,6 +18,8 @@ pub struct PeopleSpread {
     pub by_person: Vec<f64>,
     /// Standard deviation of people's own expected scores.
     pub between_sd: f64,
+    /// Upper end of its 90 % confidence interval: so few people may differ by more than the estimate.
+    pub between_sd_high: f64,
     /// Standard deviation of the repetitions of one person.
     pub within_sd: f64,
     /// Share of people who are at action level 3 or above for half a second in at least half of their
@@ -42,10 +44,15 @@ impl PeopleSpread {
         let (n, p) = (values.len() as f64, persons as f64);
         let within = within / (n - p);
         let repeated = (n - squares / n) / (p - 1.0);
+        let sd = |between: f64| ((between - within) / repeated).max(0.0).sqrt();
+        let between = between / (p - 1.0);
+        // The mean square over its expectation is chi-squared over its degrees of freedom.
+        let high = between / chi_squared_05(p - 1.0);
         let often = by_person_of(lasts_high, persons).into_iter().filter(|share| *share >= 0.5);
         Some(Self {
             persons,
-            between_sd: ((between / (p - 1.0) - within) / repeated).max(0.0).sqrt(),
+            between_sd: sd(between),
+            between_sd_high: sd(high),
             within_sd: within.sqrt(),
             at_high: often.count() as f64 / p,
             by_person,
@@ -57,6 +64,12 @@ impl PeopleSpread {
         let all = 0..self.by_person.len();
         all.max_by(|a, b| self.by_person[*a].total_cmp(&self.by_person[*b])).unwrap_or(0)
     }
+}
+
+/// 5 % quantile of chi-squared over its degrees of freedom (Wilson and Hilferty 1931, within 1 % from 10 on).
+fn chi_squared_05(degrees: f64) -> f64 {
+    let c = 2.0 / (9.0 * degrees);
+    (1.0 - c - 1.644_853_6 * c.sqrt()).max(1e-3).powi(3)
 }
 
 /// Means over the repetitions of each person; the values themselves where nobody repeats.
@@ -89,6 +102,9 @@ mod tests {
         let spread = PeopleSpread::of(&values, &vec![0.0; 1700], Some(persons)).unwrap();
         assert!((spread.between_sd - 0.5).abs() < 0.05, "{}", spread.between_sd);
         assert!((spread.within_sd - 0.8).abs() < 0.03, "{}", spread.within_sd);
+        assert!((spread.between_sd..0.6).contains(&spread.between_sd_high));
+        // 5 % of chi-squared with 31 degrees of freedom: 19.28.
+        assert!((31.0 * chi_squared_05(31.0) - 19.28).abs() < 0.05);
         let worst = spread.worst();
         assert!(spread.by_person.iter().all(|s| *s <= spread.by_person[worst]));
     }

@@ -416,7 +416,6 @@ impl Attraction {
         let near = DMatrix::from_fn(self.inputs.len(), x.len(), |i, j| {
             common(i) * squared_exponential(&self.inputs[i], &x[j], self.length_scale)
         });
-        let prior = if self.person.is_some() { 1.0 + PERSON } else { 1.0 };
         let off = transposed_product(&self.coefficients, &near);
         // k^T K^-1 k = |L^-1 k|^2
         let white = self.factor.as_ref().map(|f| f.solve_lower(&near));
@@ -424,7 +423,7 @@ impl Attraction {
             let explained = white.as_ref().map_or(0.0, |w| w.column(j).norm_squared());
             UsualPosture {
                 posture: &self.mean + off.column(j),
-                confidence: (explained / prior).clamp(0.0, 1.0),
+                confidence: explained.clamp(0.0, 1.0),
             }
         };
         (0..x.len()).map(usual).collect()

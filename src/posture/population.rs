@@ -5,13 +5,13 @@
 //! p = sqrt(s) t                a person's own, t ~ Student's t with P - 1 degrees of freedom
 //! b ~ N(0, (1 - s) I)          of one repetition
 //! ```
-//! s is the share of the variance that movements of one person have in common. How people differ is known from
-//! P people only: with the variance of a Gaussian estimated from P values the next one is Student's, so that
-//! few people widen what is said of others.
+//! s is the share of the variance that movements of one person have in common. The spread of all together stays
+//! what left-out people had. Student's t in place of the Gaussian of p, as the variance between few people is
+//! itself uncertain, held 89 instead of 88 % of left-out people (73 instead of 70 % of the worst), but predicted
+//! them worse (energy score 17.7 instead of 17.5 deg) and put one start in three outside what was recorded.
 
 use crate::math::stream::{Purpose, normals, stream};
 use nalgebra::DVector;
-use rand_distr::{ChiSquared, Distribution};
 use serde::{Deserialize, Serialize};
 
 /// Of a model of several people: what is a person's own.
@@ -28,10 +28,7 @@ impl Population {
     /// p of a person (n): the same for all of their repetitions in a block.
     pub fn person(&self, (seed, block): (u64, u32), person: usize, n: usize) -> DVector<f64> {
         let mut rng = stream(seed, Purpose::Person, block, person as u32);
-        let z = DVector::from_vec(normals(&mut rng, n));
-        let degrees = self.people.saturating_sub(1).max(1) as f64;
-        let square: f64 = ChiSquared::new(degrees).map_or(degrees, |chi| chi.sample(&mut rng));
-        z * (self.own_share * degrees / square).sqrt()
+        DVector::from_vec(normals(&mut rng, n)) * self.own_share.sqrt()
     }
 
     /// By how much what a repetition has of its own is smaller than a standard deviation of all.
@@ -59,8 +56,7 @@ mod tests {
 
     #[test]
     fn repetitions_of_a_person_have_their_share_in_common() {
-        // Many people: Student's t is then a Gaussian.
-        let population = Population { own_share: 0.3, people: 4001 };
+        let population = Population { own_share: 0.3, people: 5 };
         let all: Vec<[f64; 2]> = (0..6000u32)
             .map(|p| {
                 let own = population.person((1, 2), p as usize, 1)[0];
@@ -75,20 +71,5 @@ mod tests {
         let sd = std_dev(&all.iter().map(|[a, _]| *a).collect::<Vec<f64>>());
         assert!((product - 0.3).abs() < 0.04, "{product}");
         assert!((sd - 1.0).abs() < 0.03, "{sd}");
-    }
-
-    #[test]
-    fn few_people_widen_what_is_said_of_others() {
-        let sizes = |people: usize| -> Vec<f64> {
-            let population = Population { own_share: 0.5, people };
-            (0..40_000).map(|p| population.person((3, 0), p, 1)[0].abs()).collect()
-        };
-        // 90 % of Student's t with four degrees of freedom is within 2.132, of a Gaussian within 1.645.
-        for (people, within) in [(5, 2.132), (4001, 1.645)] {
-            let mut sizes = sizes(people);
-            sizes.sort_by(f64::total_cmp);
-            let found = sizes[36_000] / 0.5f64.sqrt();
-            assert!((found - within).abs() < 0.05, "{people}: {found}");
-        }
     }
 }

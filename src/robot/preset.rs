@@ -23,7 +23,7 @@ macro_rules! shipped {
         }
     };
 }
-shipped!("panda", "fr3", "ur3e", "ur5e", "ur10e", "ur20", "iiwa14", "xarm6", "tm5-900");
+shipped!("panda", "fr3", "ur3e", "ur5e", "ur10e", "ur20");
 
 const SCHEMA: &str = "ergopath/robot/1";
 
@@ -192,52 +192,6 @@ mod tests {
         ur_by_table(table, q)
     }
 
-    fn iiwa14_by_table(q: &[f64]) -> Matrix4<f64> {
-        let table = [
-            (0.36, -FRAC_PI_2),
-            (0.0, FRAC_PI_2),
-            (0.42, FRAC_PI_2),
-            (0.0, -FRAC_PI_2),
-            (0.4, -FRAC_PI_2),
-            (0.0, FRAC_PI_2),
-            (0.126, 0.0),
-        ];
-        table
-            .iter()
-            .zip(q)
-            .fold(rot_z(0.0), |t, (&(d, alpha), &q)| t * rot_z(q) * shift(0.0, d) * rot_x(alpha))
-    }
-
-    /// Craig's convention, with the angles at zero of the maker's manual.
-    fn xarm6_by_table(q: &[f64]) -> Matrix4<f64> {
-        let (elbow, turned) = (0.0535f64.hypot(0.2845), 0.2845f64.atan2(0.0535));
-        let table = [
-            (0.0, 0.267, 0.0, 0.0),
-            (-turned, 0.0, 0.0, -FRAC_PI_2),
-            (turned, 0.0, elbow, 0.0),
-            (0.0, 0.3425, 0.0775, -FRAC_PI_2),
-            (0.0, 0.0, 0.0, FRAC_PI_2),
-            (0.0, 0.097, 0.076, -FRAC_PI_2),
-        ];
-        table.iter().zip(q).fold(rot_z(0.0), |t, (&(zero, d, a, alpha), &q)| {
-            t * rot_x(alpha) * shift(a, 0.0) * rot_z(q + zero) * shift(0.0, d)
-        })
-    }
-
-    fn tm5_900_by_table(q: &[f64]) -> Matrix4<f64> {
-        let table = [
-            (0.0, 0.1452, 0.0, -FRAC_PI_2),
-            (-FRAC_PI_2, 0.0, 0.429, 0.0),
-            (0.0, 0.0, 0.4115, 0.0),
-            (FRAC_PI_2, -0.1223, 0.0, FRAC_PI_2),
-            (0.0, 0.106, 0.0, FRAC_PI_2),
-            (0.0, 0.11315, 0.0, 0.0),
-        ];
-        table.iter().zip(q).fold(rot_z(0.0), |t, (&(zero, d, a, alpha), &q)| {
-            t * rot_z(q + zero) * shift(0.0, d) * shift(a, 0.0) * rot_x(alpha)
-        })
-    }
-
     fn ur5e_by_table(q: &[f64]) -> Matrix4<f64> {
         let table = [
             (0.0, 0.1625, FRAC_PI_2),
@@ -274,9 +228,6 @@ mod tests {
             ("ur5e", ur5e_by_table),
             ("ur10e", ur10e_by_table),
             ("ur20", ur20_by_table),
-            ("iiwa14", iiwa14_by_table),
-            ("xarm6", xarm6_by_table),
-            ("tm5-900", tm5_900_by_table),
         ] {
             let robot = Robot::preset(name).unwrap();
             for q in postures(&robot) {

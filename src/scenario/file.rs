@@ -371,7 +371,7 @@ pub(super) struct HandGripFile {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RobotFile {
-    /// A robot that is shipped: `panda`, `fr3`, `ur3e`, `ur5e`, `ur10e`, `ur20`, `iiwa14`, `xarm6`, `tm5-900`.
+    /// A robot that is shipped: `panda`, `fr3`, `ur3e`, `ur5e`, `ur10e`, `ur20`.
     #[schemars(with = "Option<String>", extend("enum" = crate::robot::PRESETS))]
     pub preset: Option<Spanned<String>>,
     /// URDF file instead of a preset.

@@ -198,6 +198,39 @@ impl Dataset {
     /// Where a trial has another number of joints than the chain, all trials together are shorter
     /// than two seconds, or nothing moves.
     pub fn new(trials: &[Trial], body: &Body, side: Side) -> Result<Self, InputError> {
+        let dataset = Self::of_seconds(trials, body, side)?;
+        if dataset.frames.len() < FEWEST_FRAMES {
+            let source = trials.first().map_or("recordings", |t| t.source.as_str());
+            let message =
+                format!("holds only {} frames at {DENSE_RATE_HZ} Hz", dataset.frames.len());
+            return Err(InputError::new(source, message)
+                .remedy("give at least two seconds of movement, better ten or several trials"));
+        }
+        dataset.refuse_still(trials.first().map_or("recordings", |t| t.source.as_str()))?;
+        Ok(dataset)
+    }
+
+    /// # Errors
+    /// Where nothing moves.
+    pub(super) fn refuse_still(&self, source: &str) -> Result<(), InputError> {
+        let square: f64 = self.frames.iter().map(|f| f.qdot.norm_squared()).sum();
+        let values = self.frames.len() * self.joints.len();
+        if (square / values as f64).sqrt() >= STILL_RAD_S {
+            return Ok(());
+        }
+        Err(InputError::new(source, "holds a person who does not move")
+            .remedy("give movements of the kind that is to be planned"))
+    }
+
+    /// The same of any length: not enough to learn from, but to tell how one more person moves.
+    ///
+    /// # Errors
+    /// Where a trial has another number of joints than the chain.
+    pub(super) fn of_seconds(
+        trials: &[Trial],
+        body: &Body,
+        side: Side,
+    ) -> Result<Self, InputError> {
         let arm = body.arm(side)?;
         let width = trials.iter().flat_map(|t| &t.q).map(Vec::len).next();
         let is_whole = width == Some(arm.dof() + PELVIS_JOINTS.len());
@@ -215,17 +248,6 @@ impl Dataset {
                 return Err(InputError::new(&trial.source, message));
             }
             frames.extend(thinned(trial, index, &coupling));
-        }
-        let source = trials.first().map_or("recordings", |t| t.source.as_str());
-        if frames.len() < FEWEST_FRAMES {
-            let message = format!("holds only {} frames at {DENSE_RATE_HZ} Hz", frames.len());
-            return Err(InputError::new(source, message)
-                .remedy("give at least two seconds of movement, better ten or several trials"));
-        }
-        let square: f64 = frames.iter().map(|f| f.qdot.norm_squared()).sum();
-        if (square / (frames.len() * joints.len()) as f64).sqrt() < STILL_RAD_S {
-            return Err(InputError::new(source, "holds a person who does not move")
-                .remedy("give movements of the kind that is to be planned"));
         }
         set_demonstrations(&mut frames);
         let person = Some((side, body.size));

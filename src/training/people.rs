@@ -92,10 +92,10 @@ impl Person {
     /// The movements in a body in which they meet those of others.
     ///
     /// # Errors
-    /// Where there is too little, or nothing moves.
+    /// Where the recordings do not suit the body.
     pub fn dataset(&self, body: &Body) -> Result<Dataset, InputError> {
         let trials: Vec<Trial> = self.movements.iter().map(|m| m.trial.clone()).collect();
-        Dataset::new(&trials, body, self.side)
+        Dataset::of_seconds(&trials, body, self.side)
     }
 }
 

@@ -53,8 +53,9 @@ const QUALISYS_SPORTS: [Marker; 21] = [
     ("*KneeIn", "*UpperLeg", "*LowerLeg", [0.0, 0.0, -0.052]),
     ("*AnkleOut", "*LowerLeg", "*Foot", [0.0, 0.0, 0.042]),
     ("*HeelBack", "*Foot", "*Toe", [-0.2, 0.0, 0.0]),
-    ("*Forefoot2", "*Foot", "*Toe", [0.0, 0.0, -0.02]),
-    ("*Forefoot5", "*Foot", "*Toe", [0.0, 0.0, 0.02]),
+    // The foot points from the heel to the second toe.
+    ("*Forefoot2", "*Foot", "*Toe", [0.0, 0.0, 0.0]),
+    ("*Forefoot5", "*Foot", "*Toe", [0.0, 0.0, 0.04]),
     ("*ShinFrontHigh", "*LowerLeg", "*LowerLeg", [0.05, -0.1, 0.0]),
     ("*ThighFrontLow", "*UpperLeg", "*UpperLeg", [0.06, -0.3, 0.0]),
 ];

@@ -61,8 +61,12 @@ fn steps(s: &StepsTaken) -> String {
 /// How people differ, by the scores of all methods; none where nobody repeats.
 fn people(scores: &PerMethod<MethodScores>) -> Option<String> {
     let of = |m: ScoringMethod| {
-        let PeopleSpread { between_sd, within_sd, .. } = scores[m].people.as_ref()?;
-        Some(format!("{} {between_sd:.2} and {within_sd:.2}", m.name()))
+        let PeopleSpread { between_sd, between_sd_high, within_sd, .. } =
+            scores[m].people.as_ref()?;
+        Some(format!(
+            "{} {between_sd:.2} (up to {between_sd_high:.2}) and {within_sd:.2}",
+            m.name()
+        ))
     };
     let spreads: Vec<String> = ScoringMethod::ALL.into_iter().filter_map(of).collect();
     let rula = &scores[ScoringMethod::Rula];

@@ -170,3 +170,34 @@ fn what_is_no_group_of_people_is_refused() {
     refused(&["validate", one], "is given twice");
     assert!(!room.path().join("m.json").exists());
 }
+
+#[test]
+fn a_model_of_people_becomes_that_of_one_worker() {
+    let room = tempfile::tempdir().unwrap();
+    let adapt = |model: &str| {
+        let mut command = ergopath();
+        command.current_dir(room.path()).args(["adapt", model]);
+        command
+    };
+    let Some(recordings) = shared("recordings/hdm05") else { return };
+    let clip = recordings.join("HDM_bk_depositFloorR_007_120.amc");
+    let run = adapt("people").arg(&clip).args(["-o", "anna.json"]).assert().code(0);
+    let told = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+    assert!(told.contains("`people` adapted to one worker by 1 movement"), "{told}");
+    let (people, _) = load_model("people", Path::new(".")).unwrap();
+    let (anna, _) = load_model("anna.json", room.path()).unwrap();
+    assert!(people.postures.population.is_some() && anna.postures.population.is_none());
+    assert!(anna.provenance.adapted_s.is_some_and(|s| s > 1.0));
+    assert_eq!(anna.provenance.recordings.len(), people.provenance.recordings.len() + 1);
+    // Neither a model of one person, nor one of the other hand, nor what is not there.
+    assert_refused(
+        adapt("demo_operator").arg(&clip).args(["-o", "b.json"]),
+        "is not a model of several people",
+    );
+    assert_refused(
+        adapt("people").arg(&clip).args(["--side", "left", "-o", "b.json"]),
+        "leads with the right hand",
+    );
+    assert_refused(adapt("nobody").arg(&clip).args(["-o", "b.json"]), "nobody");
+    assert!(!room.path().join("b.json").exists());
+}

@@ -79,15 +79,9 @@ fn a_schema_tells_units_and_choices() {
     }
     assert!(seen > 70, "{seen}");
     let text = String::from_utf8(output).unwrap();
-    for words in [
-        "palm_down_bar",
-        "tm5-900",
-        "free_roll",
-        "cornell2001",
-        "ur10e",
-        "unacceptable",
-        "\"seated\"",
-    ] {
+    for words in
+        ["palm_down_bar", "ur20", "free_roll", "cornell2001", "ur10e", "unacceptable", "\"seated\""]
+    {
         assert!(text.contains(words), "{words}");
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn adapted_score(
     }
     let rest = Person { movements: rest, ..person.clone() };
     let people = learn(others, "others", Method::FullW, settings, nowhere())?;
-    let adapted = adapt(&people, &Dataset::new(&own, common, person.side)?)?;
+    let adapted = adapt(&people, &Dataset::of_seconds(&own, common, person.side)?)?;
     // In the person's own body, as anybody would learn it.
     let alone = Dataset::new(&own, &person.body, person.side)
         .and_then(|own| learn(&own, "own", Method::FullW, settings, nowhere()));
