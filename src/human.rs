@@ -24,6 +24,7 @@ mod reach;
 mod shape;
 mod side;
 mod skeleton;
+mod workforce;
 
 pub use balance::{Balance, BalanceRow};
 pub use body::{Body, PRESETS, Stance};
@@ -41,3 +42,4 @@ pub use reach::{reach_ball, reach_gap};
 pub use shape::{Mannequin, MannequinPiece, SegmentKind, WideSection};
 pub use side::{Coupled, Hands, Pelvis, Side};
 pub use skeleton::{Head, PosedSkeleton, Segment, Skeleton};
+pub use workforce::{POPULATION, workforce};

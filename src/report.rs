@@ -135,7 +135,10 @@ pub fn files_again(
         }
     }
     for table in &result.rollouts {
-        let body = table.other_body.as_ref().map_or_else(String::new, |b| format!("-{b}"));
+        let body = table
+            .other_body
+            .as_ref()
+            .map_or_else(String::new, |b| format!("-{}", b.replace(' ', "_")));
         files.push((format!("rollouts/{}{body}.csv", table.rank), tables::rollouts(table)?));
     }
     // Without a scored path there is only the cell to draw.

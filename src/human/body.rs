@@ -1,10 +1,11 @@
 //! A body as the rest of the program uses it: model, sizes, limits, and where its pelvis stands.
 
-use super::generate::{BODY_SCHEMA, BodySheet, generate};
+use super::generate::{BODY_SCHEMA, BodySheet, generate_with};
 use super::limits::{PostureLimits, SumLimit};
 use super::pelvis::{PELVIS, REST, SEATED, on_moving_pelvis};
-use super::proportions::{BodySize, Sex};
+use super::proportions::{BodySize, Proportions, Sex, proportions};
 use super::side::{Coupled, Pelvis, Side};
+use super::workforce::POPULATION;
 use crate::files::{InputError, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;
@@ -71,8 +72,12 @@ impl Body {
         let path = folder.join(name_or_path);
         if !path.is_file() && !name_or_path.contains(['/', '.']) {
             let names: Vec<&str> = PRESETS.iter().map(|(n, _)| *n).collect();
-            let help = suggest(name_or_path, names.iter().copied()).unwrap_or_else(|| {
-                format!("shipped bodies: {}; or the path of a body URDF", names.join(", "))
+            let known = names.iter().copied().chain([POPULATION]);
+            let help = suggest(name_or_path, known).unwrap_or_else(|| {
+                format!(
+                    "shipped bodies: {}; in a scenario also `{POPULATION}`; or the path of a body URDF",
+                    names.join(", ")
+                )
             });
             let message = format!("there is no shipped body `{name_or_path}`");
             return Err(InputError::new(name_or_path, message).remedy(help));
@@ -82,7 +87,16 @@ impl Body {
 
     /// A body of the given size, made in memory.
     pub fn of_size(name: &str, size: BodySize) -> Result<Self, InputError> {
-        let files = generate(name, size).map_err(|e| InputError::new(name, e))?;
+        Self::of_proportions(name, size, &proportions(size.sex))
+    }
+
+    /// The same with other proportions than the mean of its sex.
+    pub(super) fn of_proportions(
+        name: &str,
+        size: BodySize,
+        shape: &Proportions,
+    ) -> Result<Self, InputError> {
+        let files = generate_with(name, size, shape).map_err(|e| InputError::new(name, e))?;
         let path = PathBuf::from(format!("{name}.urdf"));
         Self::parse(&path, &files.urdf, &sheet_path(&path), &files.sheet)
     }
@@ -109,6 +123,13 @@ impl Body {
                 .remedy("make the body again with this version of ergopath"));
         }
         let size = parsed.size.check().map_err(|e| InputError::new(sheet_path, e))?;
+        // It becomes part of the names of files.
+        let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
+        if parsed.name.is_empty() || parsed.name.len() > 80 || !parsed.name.chars().all(is_plain) {
+            let message = format!("name {:?} is not plain", parsed.name);
+            return Err(InputError::new(sheet_path, message)
+                .remedy("use letters, digits, spaces, dots, - and _, 80 at most"));
+        }
         for length in [parsed.standing_pelvis_height_m, parsed.seat_to_hip_m, parsed.hand_length_m]
         {
             if !(0.0..2.0).contains(&length) {
@@ -262,7 +283,7 @@ mod tests {
     fn shipped_files_are_what_the_generator_writes() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/human");
         for (name, size) in PRESETS {
-            let files = generate(name, *size).unwrap();
+            let files = super::super::generate(name, *size).unwrap();
             let read = |ext: &str| std::fs::read_to_string(folder.join(format!("{name}.{ext}")));
             assert_eq!(read("urdf").unwrap(), files.urdf, "{name}: run `ergopath body` again");
             assert_eq!(read("body.toml").unwrap(), files.sheet, "{name}");

@@ -57,8 +57,16 @@ struct Segment {
 /// # Errors
 /// A sentence, when the size is implausible.
 pub fn generate(name: &str, size: BodySize) -> Result<BodyFiles, String> {
+    generate_with(name, size, &proportions(size.sex))
+}
+
+/// The same with other proportions than the mean of its sex.
+pub(super) fn generate_with(
+    name: &str,
+    size: BodySize,
+    p: &Proportions,
+) -> Result<BodyFiles, String> {
     let size = size.check()?;
-    let p = proportions(size.sex);
     let h = size.stature_m;
     let sheet = BodySheet {
         schema: BODY_SCHEMA.to_owned(),
@@ -72,7 +80,7 @@ pub fn generate(name: &str, size: BodySize) -> Result<BodyFiles, String> {
     };
     let comment = "# Belongs to the URDF of the same name: sizes, and bounds on sums of joints.\n";
     let text = toml::to_string(&sheet).map_err(|e| e.to_string())?;
-    Ok(BodyFiles { urdf: urdf(name, size, &p), sheet: format!("{comment}{text}") })
+    Ok(BodyFiles { urdf: urdf(name, size, p), sheet: format!("{comment}{text}") })
 }
 
 /// To a tenth of a millimetre, so that the same size gives the same text everywhere.

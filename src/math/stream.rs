@@ -23,6 +23,10 @@ pub enum Purpose {
     Bootstrap = 5,
     /// What a person has of their own in all repetitions.
     Person = 6,
+    /// Which of several ways a person has the habit of, and which a repetition takes.
+    Habit = 7,
+    /// Of what proportions a body is.
+    Body = 8,
 }
 
 /// The stream of `index` in `block` for a purpose.

@@ -6,7 +6,7 @@ use super::cell_look::{
 };
 use super::person::Person;
 use crate::files::InputError;
-use crate::human::{Coupled, Segment, Side, Skeleton, Stance};
+use crate::human::{Body, Coupled, Segment, Side, Skeleton, Stance};
 use crate::path::Box3;
 use crate::robot::NoMotion;
 use crate::scenario::{LowHand, Scenario};
@@ -191,7 +191,10 @@ impl HangingFeet {
         let worker = &scenario.worker;
         let Stance::Seated { footrest_m, .. } = worker.stance else { return Ok(Vec::new()) };
         let mut all = Vec::new();
-        for body in &worker.bodies {
+        // Of a population the shortest stands for those whose feet hang.
+        for (body, members) in worker.bodies.iter().zip(&worker.members) {
+            let by_stature = |a: &&Body, b: &&Body| a.size.stature_m.total_cmp(&b.size.stature_m);
+            let body = members.iter().min_by(by_stature).unwrap_or(body);
             let skeleton = Skeleton::new(body, Coupled::arm(Side::Right), worker.stance, true)?;
             let upright = skeleton.pose(&vec![0.0; skeleton.dof()]);
             let [thigh, shank] = ["RightUpperLeg", "RightLowerLeg"].map(|s| skeleton.segment(s));

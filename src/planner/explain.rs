@@ -7,7 +7,7 @@ use super::result::{
     StartKind, WorkerFacts,
 };
 use crate::ergonomics::PerMethod;
-use crate::human::{Hands, Pelvis, Stance};
+use crate::human::{Body, Hands, Pelvis, Stance};
 use crate::posture::StartRule;
 use crate::robot::Obstacle;
 use crate::scenario::{Origin, OtherArm, Scenario};
@@ -117,12 +117,20 @@ fn task_inputs(scenario: &Scenario, look: &Look) -> Vec<InputOrigin> {
     ]
 }
 
+fn body_facts((body, members): (&Body, &Vec<Body>)) -> BodyFacts {
+    BodyFacts {
+        name: body.name.clone(),
+        size: body.size,
+        members: members.iter().map(|m| m.size).collect(),
+    }
+}
+
 pub(super) fn setting(scenario: &Scenario) -> Setting {
     let w = &scenario.worker;
     Setting {
         name: scenario.name.clone(),
         description: scenario.description.clone(),
-        bodies: w.bodies.iter().map(|b| BodyFacts { name: b.name.clone(), size: b.size }).collect(),
+        bodies: w.bodies.iter().zip(&w.members).map(body_facts).collect(),
         worker: WorkerFacts {
             hands: w.hands,
             pelvis_moves: w.pelvis != Pelvis::Rests,
@@ -177,7 +185,11 @@ pub(super) fn model_summary(scenario: &Scenario) -> ModelSummary {
         name: model.name.clone(),
         method: model.method.name().into(),
         simulated: model.provenance.simulated,
-        learned_on: BodyFacts { name: model.provenance.body.0.clone(), size: model.size },
+        learned_on: BodyFacts {
+            name: model.provenance.body.0.clone(),
+            size: model.size,
+            members: Vec::new(),
+        },
         applied_to: scenario.worker.bodies.iter().map(|b| b.name.clone()).collect(),
         weight_by_group: model.weight_by_group().into_iter().map(group).collect(),
         quality: model.quality.clone(),

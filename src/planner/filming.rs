@@ -119,10 +119,10 @@ impl Filming<'_> {
         let typical = self.typical(&repetitions.all);
         let shown: Vec<usize> =
             typical.into_iter().chain(self.ghosts(&repetitions.all, rula)).collect();
-        let mannequin = &self.person.mannequin;
         let place = |repetition: &Repetition, k: usize| {
             let head = repetition.angles[k].head(self.lens.neck);
             let rest = self.person.rest_at(self.variant, repetition, k);
+            let mannequin = &self.person.of(repetition).mannequin;
             mannequin.place(&rest, repetition.rollout.q[k].as_slice(), head)
         };
         let mut walkers = shown.iter().map(|&rollout| {
@@ -134,9 +134,11 @@ impl Filming<'_> {
             let (rula, reba) = scores.map(|s| (s.rula.grand, s.reba.total)).unzip();
             Walker { rollout, rula, reba, track }
         });
+        // Of a population all have the thickness of the typical one, and each its own lengths.
+        let shape = typical.map_or(self.person, |r| self.person.of(&repetitions.all[r]));
         let typical = typical.and_then(|_| walkers.next());
         let body = self.person.name.clone();
-        let capsules = mannequin.pieces().iter().map(Into::into).collect();
+        let capsules = shape.mannequin.pieces().iter().map(Into::into).collect();
         ScenePeople { body, capsules, typical, ghosts: walkers.collect() }
     }
 

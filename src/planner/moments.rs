@@ -117,6 +117,7 @@ impl Place<'_> {
         let (rest, q) =
             (self.person.rest_at(self.variant, repetition, k), &repetition.rollout.q[k]);
         let head = angles.head(self.lens.neck);
+        let own = self.person.of(repetition);
         let named = [
             ("trunk flexion", t.trunk_flex_deg),
             ("trunk side bend", t.trunk_side_deg),
@@ -140,8 +141,8 @@ impl Place<'_> {
             rula: rula.grand,
             reba: reba.total,
             angles_deg: named.map(|(name, deg)| (name.to_owned(), deg)).to_vec(),
-            bones: self.person.surveyor.bones_at(&rest, q, head),
-            mannequin: PosedMannequin::of(&self.person.mannequin, &rest, q.as_slice(), head),
+            bones: own.surveyor.bones_at(&rest, q, head),
+            mannequin: PosedMannequin::of(&own.mannequin, &rest, q.as_slice(), head),
         }
     }
 }

@@ -80,6 +80,8 @@ impl Placed {
     }
 }
 
+/// Whose body it is in a repetition.
+pub(super) type BodyOf<'a> = dyn Fn(&Repetition) -> &'a Envelope + Sync + 'a;
 /// The rest frame of a body in the world at a step of a repetition.
 pub(super) type RestAt<'a> = dyn Fn(&Repetition, usize) -> Pose + Sync + 'a;
 
@@ -117,14 +119,14 @@ impl<'r> ArmAlong<'r> {
         &self,
         repetitions: &Repetitions,
         numbers: &Range<usize>,
-        (envelope, rest): (&Envelope, &RestAt),
+        (body, rest): (&BodyOf, &RestAt),
     ) -> Vec<Option<Closest>> {
         let count =
             self.care.repetitions().saturating_sub(numbers.start).min(repetitions.all.len());
         repetitions.all[..count]
             .par_iter()
             .map_with(Scratch::default(), |scratch, repetition| {
-                self.along(repetition, (envelope, rest), scratch)
+                self.along(repetition, (body(repetition), rest), scratch)
             })
             .collect()
     }

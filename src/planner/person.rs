@@ -7,8 +7,8 @@ use super::result::{PosePicture, RolloutTable};
 use super::walking::{Walk, seen_from};
 use crate::files::InputError;
 use crate::human::{
-    Body, BodyPart, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin, Pelvis,
-    Stance, column_of, column_unit, mirror_sign, mirrored_pose,
+    Body, BodyPart, BodySize, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin,
+    Pelvis, Stance, column_of, column_unit, mirror_sign, mirrored_pose,
 };
 use crate::math::{Pose, Vec3};
 use crate::posture::{
@@ -20,6 +20,7 @@ use crate::scenario::{Scenario, Variant};
 use crate::survey::{HeadDraw, Surveyor};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// How the workers of a scenario move: as its posture model says.
@@ -45,7 +46,13 @@ pub(super) struct Person<'a> {
     behaviour: &'a dyn Behaviour,
     /// Of that behaviour, by the rule of the scenario.
     known: KnownStarts,
+    /// The people for whom this body stands, who make its repetitions; none where it stands for itself.
+    crowd: Vec<Person<'a>>,
 }
+
+/// By how much the first person of a block is further on in the crowd than that of the block before, so that
+/// searches, whose blocks are short, meet everybody.
+const NEXT_BLOCK: usize = 11;
 
 impl<'a> Person<'a> {
     /// The bodies of a scenario, who move in a way.
@@ -54,7 +61,7 @@ impl<'a> Person<'a> {
         behaviour: &'a dyn Behaviour,
     ) -> Result<Vec<Self>, InputError> {
         let w = &scenario.worker;
-        let of = |body: &'a Body| {
+        let of = |body: &'a Body, crowd: Vec<Self>| {
             let rest = body.pelvis_pose(w.at_m, w.facing, w.stance);
             let second = scenario.second_hand.map(|s| s.hold);
             let holds: Vec<Hold> = std::iter::once(scenario.hold).chain(second).collect();
@@ -72,9 +79,30 @@ impl<'a> Person<'a> {
                 body,
                 behaviour,
                 known: KnownStarts::default(),
+                crowd,
             })
         };
-        w.bodies.iter().map(of).collect()
+        let with_crowd = |(body, members): (&'a Body, &'a Vec<Body>)| {
+            let crowd = members.par_iter().map(|m| of(m, Vec::new())).collect::<Result<_, _>>()?;
+            of(body, crowd)
+        };
+        w.bodies.iter().zip(&w.members).map(with_crowd).collect()
+    }
+
+    /// Number of the one of the crowd who makes a repetition; none where the body stands for itself.
+    fn member(&self, (_, block): (u64, u32), repetition: usize) -> Option<usize> {
+        let count = Some(self.crowd.len()).filter(|n| *n > 0)?;
+        Some((repetition + NEXT_BLOCK * (block as usize % count)) % count)
+    }
+
+    /// Whose body it is in a repetition.
+    pub(super) fn of(&self, repetition: &Repetition) -> &Person<'a> {
+        self.crowd.get(repetition.member).unwrap_or(self)
+    }
+
+    /// The size of the one of a population who makes a repetition; none where the body stands for itself.
+    pub(super) fn member_size(&self, repetition: &Repetition) -> Option<BodySize> {
+        Some(self.crowd.get(repetition.member)?.body.size)
     }
 
     /// The rest frame in the world: the pelvis of the upright body.
@@ -110,7 +138,7 @@ impl<'a> Person<'a> {
 
     /// The rest frame in the world at a sample of a repetition: where the feet are then.
     pub(super) fn rest_at(&self, variant: &Variant, repetition: &Repetition, k: usize) -> Pose {
-        let given = self.pelvis(variant);
+        let given = self.of(repetition).pelvis(variant);
         if repetition.feet.is_none() { given } else { given * repetition.footing(k).pose() }
     }
 
@@ -135,12 +163,12 @@ impl<'a> Person<'a> {
         tcp: &Pose,
         variant: &Variant,
         rule: &StartRule,
-        count: usize,
+        numbers: Range<usize>,
     ) -> (Pose, Vec<Option<DVector<f64>>>) {
         let rest = self.rest_for(tcp, variant);
         let grips = self.asked(&self.grips(tcp, &rest.inverse(), variant));
         let postures = self.behaviour.postures_at(&self.coupling, &grips);
-        let starts = start_postures(&self.coupling, &postures, rule, grips, (0, 0), 0..count);
+        let starts = start_postures(&self.coupling, &postures, rule, grips, (0, 0), numbers);
         let own = |start: Start| {
             start.q.map(|mut q| {
                 self.own(&mut q);
@@ -179,14 +207,15 @@ impl<'a> Person<'a> {
         numbers: &Range<usize>,
         (arm, variant): (&ArmAlong, &Variant),
     ) -> Vec<Option<Closest>> {
+        let body = |repetition: &Repetition| &self.of(repetition).envelope;
         let rest = |repetition: &Repetition, k: usize| self.rest_at(variant, repetition, k);
-        arm.closest(repetitions, numbers, (&self.envelope, &rest))
+        arm.closest(repetitions, numbers, (&body, &rest))
     }
 
     /// Ends of the capsules' axes (world, m) with the mean posture moved on to a TCP pose; none where the
     /// hand does not get there.
     pub(super) fn placed_at(&self, tcp: &Pose, variant: &Variant) -> Option<Vec<[Vec3; 2]>> {
-        let (rest, mut postures) = self.starts(tcp, variant, &StartRule::Mean, 1);
+        let (rest, mut postures) = self.starts(tcp, variant, &StartRule::Mean, 0..1);
         let q = postures.pop()??;
         Some(self.placed(&rest, q.as_slice()))
     }
@@ -218,7 +247,18 @@ impl<'a> Person<'a> {
         numbers: Range<usize>,
     ) -> Repetitions {
         let rule = &self.scenario.worker.start_rule;
-        self.along(path, variant, (self.behaviour, rule, Some(&self.known)), (block, numbers))
+        let of = |person: &Self, numbers: Range<usize>| {
+            let how = (person.behaviour, rule, Some(&person.known));
+            person.along(path, variant, how, (block, numbers))
+        };
+        let one = |r: usize| {
+            let member = self.member(block, r)?;
+            Some((member, of(&self.crowd[member], r..r + 1)))
+        };
+        let by_members: Vec<_> = numbers.clone().into_par_iter().filter_map(one).collect();
+        let Some(whole) = Repetitions::of_members(by_members) else { return of(self, numbers) };
+        let persons = whole.persons.or(Some(self.crowd.len()));
+        Repetitions { mixture: self.mixture(path, self.behaviour), persons, ..whole }
     }
 
     /// One repetition without any chance in it: from the person's mean posture, by the mean of a law,
@@ -318,7 +358,14 @@ impl<'a> Person<'a> {
 
     /// How many of some start postures get the hand to a TCP pose.
     pub(super) fn reaching(&self, tcp: &Pose, variant: &Variant, tries: usize) -> usize {
-        self.starts(tcp, variant, &StartRule::Sampled, tries).1.iter().flatten().count()
+        let of = |person: &Self, numbers: Range<usize>| {
+            let starts = person.starts(tcp, variant, &StartRule::Sampled, numbers).1;
+            starts.iter().flatten().count()
+        };
+        if self.crowd.is_empty() {
+            return of(self, 0..tries);
+        }
+        (0..tries).into_par_iter().map(|r| of(&self.crowd[r % self.crowd.len()], r..r + 1)).sum()
     }
 
     /// The repetitions as a table; each ends where its reach is exceeded.
@@ -329,16 +376,20 @@ impl<'a> Person<'a> {
         rank: usize,
         is_first: bool,
     ) -> RolloutTable {
-        let units: Vec<f64> = self.surveyor.joints().map(|j| column_unit(j, self.body)).collect();
+        let units = |body: &Body| -> Vec<f64> {
+            self.surveyor.joints().map(|j| column_unit(j, body)).collect()
+        };
         let neck = self.scenario.worker.neck;
         let steps = self.stepper().is_some();
         let feet = FEET_COLUMNS.into_iter().filter(|_| steps).map(str::to_owned);
         let reached = |w: &Repetition| -> Vec<Vec<f64>> {
             let end = w.rollout.reach_exceeded_at.unwrap_or(w.rollout.q.len());
             let frames = w.rollout.q[..end].iter().zip(&w.angles).enumerate();
+            let Person { surveyor, body, .. } = self.of(w);
+            let units = units(body);
             frames
                 .map(|(k, (q, a))| {
-                    let whole = self.surveyor.whole(q, a.head(neck));
+                    let whole = surveyor.whole(q, a.head(neck));
                     let Footing { ahead_m, right_m, turn } = w.footing(k);
                     let feet = [ahead_m, right_m, turn].into_iter().filter(|_| steps);
                     whole.iter().zip(&units).map(|(v, unit)| v * unit).chain(feet).collect()
@@ -362,7 +413,7 @@ impl<'a> Person<'a> {
         variant: &Variant,
         (robot, robot_q): (&Robot, Option<&[f64]>),
     ) -> PosePicture {
-        let (rest, mut postures) = self.starts(tcp, variant, &StartRule::Mean, 1);
+        let (rest, mut postures) = self.starts(tcp, variant, &StartRule::Mean, 0..1);
         let bones = postures.pop().flatten().map_or_else(Vec::new, |q| {
             let head = self.mean_head(&q);
             self.surveyor.bones_at(&rest, &q, head)

@@ -15,6 +15,8 @@ const SHORTEST_M: f64 = 1e-6;
 
 /// One repetition of one body.
 pub(super) struct Repetition {
+    /// Whose body it is, of those for whom a body stands; 0 where it stands for itself.
+    pub member: usize,
     pub rollout: Rollout,
     pub angles: Vec<PostureAngles>,
     pub start: Start,
@@ -84,7 +86,7 @@ impl Repetitions {
                     angles.margin_m = None;
                 }
             }
-            Repetition { rollout, angles, start, feet, would_step }
+            Repetition { member: 0, rollout, angles, start, feet, would_step }
         };
         let stood: Vec<Stood> = starts.into_iter().zip(feet.into_iter().zip(would_step)).collect();
         let all = repeated.rollouts.into_par_iter().zip(heads).zip(stood).map(one).collect();
@@ -93,6 +95,22 @@ impl Repetitions {
         let extrapolation_share = repeated.extrapolation_share;
         let travel = travel_shares(hand);
         Self { all, dt, travel, extrapolation_share, mixture: None, persons: None }
+    }
+}
+
+impl Repetitions {
+    /// Single repetitions along the same path, each by the member of a number, as one.
+    pub(super) fn of_members(all: Vec<(usize, Self)>) -> Option<Self> {
+        let count = all.len() as f64;
+        let extrapolation_share = all.iter().map(|(_, r)| r.extrapolation_share).sum::<f64>();
+        let mut all = all.into_iter().map(|(member, mut one)| {
+            one.all.iter_mut().for_each(|r| r.member = member);
+            one
+        });
+        let mut whole = all.next()?;
+        whole.all.extend(all.flat_map(|one| one.all));
+        whole.extrapolation_share = extrapolation_share / count;
+        Some(whole)
     }
 }
 

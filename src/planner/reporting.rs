@@ -157,7 +157,7 @@ fn report(
             let repetitions =
                 person.repeat(path, &prepared.variant, (environment.seed, REPORT_BLOCK), 0..count);
             let other_arm = environment.scenario.worker.other_arm;
-            let mut scores = repetitions.summary(&person.name, environment.lens, other_arm);
+            let mut scores = repetitions.summary(person, environment.lens, other_arm);
             if let Some(scores) = &mut scores {
                 let figures = Figures::of(&repetitions, environment.lens);
                 let time = environment.terms(prepared).time_share;

@@ -2,7 +2,8 @@
 
 use super::preset::Preset;
 use super::tried::SearchState;
-use crate::files::{InputError, read_text};
+use crate::files::{InputError, read_text, sha256_hex};
+use crate::human::Body;
 use crate::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -130,7 +131,13 @@ pub enum PlanError {
 pub(super) fn inputs_of(scenario: &Scenario) -> Vec<(String, String)> {
     let mut inputs = vec![(scenario.file.clone(), scenario.sha256.clone())];
     inputs.push((scenario.worker.model.name.clone(), scenario.worker.model_sha256.clone()));
-    inputs.extend(scenario.worker.bodies.iter().map(|b| (b.name.clone(), b.sha256())));
+    let worker = &scenario.worker;
+    let body = |(body, members): (&Body, &Vec<Body>)| {
+        let all: String = std::iter::once(body).chain(members).map(Body::sha256).collect();
+        let hash = if members.is_empty() { all } else { sha256_hex(all.as_bytes()) };
+        (body.name.clone(), hash)
+    };
+    inputs.extend(worker.bodies.iter().zip(&worker.members).map(body));
     inputs.extend(scenario.paths.iter().map(|p| (p.name.clone(), p.sha256.clone())));
     inputs
 }

@@ -298,6 +298,9 @@ pub struct BodyScores {
     /// Who is worst off among people who repeat; none where nobody does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst_off: Option<WorstOff>,
+    /// Of a population: rank correlation of people's mean RULA with their statures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_stature: Option<f64>,
     /// What the whole body does; none where no repetition begins.
     #[serde(default)]
     pub strain: Option<BodyStrain>,
@@ -345,6 +348,9 @@ impl BodyScores {
 pub struct WorstOff {
     /// Number of the person, from 1.
     pub person: usize,
+    /// Of a population: this person's size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<BodySize>,
     /// Mean RULA of this person's repetitions.
     pub score: f64,
     /// Mean angles that differ most from those of all people: which, and by how many degrees.
@@ -811,6 +817,9 @@ pub struct BodyFacts {
     /// Size.
     #[serde(flatten)]
     pub size: BodySize,
+    /// Sizes of the people for whom it stands; empty where it stands for itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub members: Vec<BodySize>,
 }
 
 /// Who works where, and how the hand is led.

@@ -152,15 +152,15 @@ impl Repetitions {
         (path, variant): (&TimedPath, &Variant),
         person: &Person,
     ) -> Option<FurnitureClearance> {
-        let parts = person.parts();
         let nearest = |r: &Repetition| {
             let steps = r.reached().len();
             let last = steps.checked_sub(1)?;
             let mut moments: Vec<usize> = (0..=MOMENTS).map(|i| i * last / MOMENTS).collect();
             moments.dedup();
             let mut best: Option<Touch> = None;
+            let (own, parts) = (person.of(r), person.of(r).parts());
             for k in moments {
-                let ends = person.placed(&person.rest_at(variant, r, k), r.rollout.q[k].as_slice());
+                let ends = own.placed(&person.rest_at(variant, r, k), r.rollout.q[k].as_slice());
                 for (part, [a, b]) in parts.iter().zip(&ends).filter(|(p, _)| !p.is_coupled) {
                     for (name, obstacle) in &scenario.obstacles {
                         let distance_m = obstacle.distance_to_capsule(a, b, part.radius_m);

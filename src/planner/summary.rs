@@ -1,5 +1,6 @@
 //! What the report shows of one body along a path.
 
+use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
 use super::result::{BodyScores, PartScore};
 use super::scored::{Scored, Sheets};
@@ -31,7 +32,7 @@ impl Repetitions {
     /// Everything the report shows of one body.
     pub(super) fn summary(
         &self,
-        body: &str,
+        person: &Person,
         lens: &Lens,
         other_arm: OtherArm,
     ) -> Option<BodyScores> {
@@ -52,10 +53,17 @@ impl Repetitions {
         let starts: Vec<f64> =
             self.all.iter().map(|w| w.start.distance).filter(|d| d.is_finite()).collect();
         Some(BodyScores {
-            body: body.to_owned(),
+            body: person.name.clone(),
             objective: 0.0,
             person_clearance: None,
-            worst_off: scores[ScoringMethod::Rula].people.as_ref().map(|p| self.worst_off(lens, p)),
+            worst_off: scores[ScoringMethod::Rula]
+                .people
+                .as_ref()
+                .map(|spread| self.worst_off(lens, spread, person)),
+            with_stature: scores[ScoringMethod::Rula]
+                .people
+                .as_ref()
+                .and_then(|spread| self.with_stature(spread, person)),
             strain: None,
             rollouts: self.all.len(),
             scores,

@@ -139,7 +139,8 @@ struct Way<'a> {
     functions: Mutex<BTreeMap<(u64, u32), Functions>>,
 }
 
-type Functions = Arc<Vec<Arc<[FunctionDraw]>>>;
+/// By number of the repetition.
+type Functions = BTreeMap<usize, Arc<[FunctionDraw]>>;
 
 impl<'a> Way<'a> {
     fn new(law: &'a PostureLaw, postures: &'a PostureDistribution) -> Option<Self> {
@@ -147,24 +148,37 @@ impl<'a> Way<'a> {
         Some(Self { law, postures, sampler, functions: Mutex::default() })
     }
 
-    /// At least `count` repetitions' functions of a block.
-    fn functions(&self, (seed, block): (u64, u32), count: usize) -> Functions {
+    /// Functions of some repetitions of a block, in their order.
+    fn functions(
+        &self,
+        (seed, block): (u64, u32),
+        numbers: Range<usize>,
+    ) -> Vec<Arc<[FunctionDraw]>> {
         // A poisoned lock holds whole entries all the same.
-        let mut known = self.functions.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = known.get(&(seed, block)).filter(|f| f.len() >= count) {
-            return found.clone();
-        }
-        let draw = |r: usize| {
-            let mut rng = stream(seed, Purpose::Posture, FUNCTION_BLOCK + block, r as u32);
-            self.sampler.functions(&mut rng)
+        let lock = || self.functions.lock().unwrap_or_else(PoisonError::into_inner);
+        let found: Vec<Option<Arc<[FunctionDraw]>>> = {
+            let known = lock();
+            let here = known.get(&(seed, block));
+            numbers.clone().map(|r| here?.get(&r).cloned()).collect()
         };
-        // Searches move on from block to block.
-        while known.len() >= KEPT_BLOCKS {
-            known.pop_first();
+        // Drawn without the lock: two paths may both draw the same.
+        let drawn = |(r, found): (usize, Option<Arc<[FunctionDraw]>>)| {
+            found.unwrap_or_else(|| {
+                let mut rng = stream(seed, Purpose::Posture, FUNCTION_BLOCK + block, r as u32);
+                self.sampler.functions(&mut rng).into()
+            })
+        };
+        let is_new = found.iter().any(Option::is_none);
+        let all: Vec<_> = numbers.clone().into_par_iter().zip(found).map(drawn).collect();
+        if is_new {
+            let mut known = lock();
+            // Searches move on from block to block.
+            while known.len() >= KEPT_BLOCKS && !known.contains_key(&(seed, block)) {
+                known.pop_first();
+            }
+            known.entry((seed, block)).or_default().extend(numbers.zip(all.iter().cloned()));
         }
-        let drawn: Functions = Arc::new((0..count).into_par_iter().map(draw).collect());
-        known.insert((seed, block), drawn.clone());
-        drawn
+        all
     }
 }
 
@@ -223,9 +237,15 @@ impl Behaviour for Modelled<'_> {
         numbers: Range<usize>,
     ) -> Vec<Option<usize>> {
         let Some(mixture) = mixture else { return vec![None; numbers.len()] };
-        let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
-        // Levels spread evenly, whatever the number of repetitions.
-        numbers.map(|r| Some(mixture.mode_at((from + GOLDEN * r as f64).fract()))).collect()
+        let levels = match self.postures().population.filter(|_| self.persons < usize::MAX) {
+            Some(population) => population.levels((seed, block), self.persons, numbers),
+            // Spread evenly, whatever the number of repetitions.
+            None => {
+                let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
+                numbers.map(|r| (from + GOLDEN * r as f64).fract()).collect()
+            }
+        };
+        levels.into_iter().map(|level| Some(mixture.mode_at(level))).collect()
     }
 
     fn starts_of(
@@ -264,7 +284,7 @@ impl Behaviour for Modelled<'_> {
     ) -> Repeated {
         let laid = |way: &Way| {
             let hand = HandPath::new(coupling, way.law, time_s.to_vec(), targets.to_vec());
-            (hand, way.functions((seed, block), first + starts.len()))
+            (hand, way.functions((seed, block), first..first + starts.len()))
         };
         let used: BTreeSet<Option<usize>> = starts.iter().map(|s| s.mode).collect();
         let laid: BTreeMap<Option<usize>, _> =
@@ -274,7 +294,7 @@ impl Behaviour for Modelled<'_> {
             let (way, (hand, functions)) = (self.way(start.mode), &laid[&start.mode]);
             let mut rng = stream(seed, Purpose::Posture, NOISE_BLOCK + block, r as u32);
             let own = way.postures.own((seed, block), self.person(r));
-            let draw = way.sampler.draw_with(functions[r].clone(), &mut rng, hand).by(own);
+            let draw = way.sampler.draw_with(functions[i].clone(), &mut rng, hand).by(own);
             roll_out(coupling, way.law, hand, start, Some(&draw))
         };
         let rollouts = starts.par_iter().enumerate().map(one).collect();

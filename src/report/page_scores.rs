@@ -193,7 +193,7 @@ pub(super) fn bodies(view: &View) -> Markup {
                             th scope="row" {
                                 (b.body)
                                 @if Some(b.body.as_str()) == view.body { span.small { "the verdict is for this body" } }
-                                @if let Some(own) = setting.bodies.iter().find(|x| x.name == b.body) { span.small { (words::setting::size(own)) } }
+                                @if let Some(own) = setting.bodies.iter().find(|x| x.name == b.body) { span.small { (words::setting::who(own)) } }
                             }
                             td.n {
                                 (percent(b.rula().high_band[0]))

@@ -5,7 +5,10 @@ use crate::human::{Hands, Side};
 use crate::posture::Hold;
 use crate::survey::NeckRule;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 use toml::Spanned;
 
 /// A workstation: worker, robot, task and limits. World: right-handed, z up, origin on the floor; metres, seconds, kilograms; degrees only in keys that end in `_deg`.
@@ -126,9 +129,12 @@ pub(super) struct FreeFile {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WorkerFile {
-    /// Shipped bodies (`female_p05`, `female_p50`, `male_p50`, `male_p95`) or URDF files made by `ergopath body`; the first is the main one.
-    #[schemars(with = "Vec<String>", length(min = 1))]
-    pub bodies: Spanned<Vec<Spanned<String>>>,
+    /// Shipped bodies (`female_p05`, `female_p50`, `male_p50`, `male_p95`), `population`, or URDF files made by `ergopath body`; the first is the main one. A name alone will do for one.
+    #[schemars(with = "BodyNames")]
+    pub bodies: Spanned<BodyNames>,
+    /// Share of women in a population, 0 to 1; default 0.5.
+    #[schemars(with = "Option<f64>", range(min = 0.0, max = 1.0))]
+    pub women_share: Option<Spanned<f64>>,
     /// A shipped posture model (`people`, `whole_operator`, `demo_operator`) or a file that `ergopath train` wrote.
     #[schemars(with = "String")]
     pub posture_model: Spanned<String>,
@@ -179,6 +185,40 @@ pub(super) struct WorkerFile {
     /// What is known of the arm that does not hold the robot; default as predicted.
     #[serde(default)]
     pub other_arm: OtherArm,
+}
+
+/// Names of bodies: one, or a list.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(super) enum BodyNames {
+    /// One.
+    One(String),
+    /// The first is the main one.
+    Several(#[schemars(with = "Vec<String>", length(min = 1))] Vec<Spanned<String>>),
+}
+
+/// By hand, as a list must keep the place of each name in the text.
+impl<'de> Deserialize<'de> for BodyNames {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Names;
+        impl<'de> Visitor<'de> for Names {
+            type Value = BodyNames;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a body, or a list of names")
+            }
+
+            fn visit_str<E>(self, name: &str) -> Result<BodyNames, E> {
+                Ok(BodyNames::One(name.to_owned()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, names: A) -> Result<BodyNames, A::Error> {
+                let names = Vec::deserialize(SeqAccessDeserializer::new(names));
+                names.map(BodyNames::Several)
+            }
+        }
+        deserializer.deserialize_any(Names)
+    }
 }
 
 fn shoe() -> f64 {

@@ -1,20 +1,26 @@
 //! Who works, where, and in which posture.
 
-use super::file::{LookAt, OtherArm, PelvisFile, StanceFile, StepsFile, WorkerFile};
+use super::file::{BodyNames, LookAt, OtherArm, PelvisFile, StanceFile, StepsFile, WorkerFile};
 use super::plausible;
 use super::source::Source;
 use crate::files::{InputError, NumericTable};
-use crate::human::{Body, Coupled, Hands, PELVIS_JOINTS, Pelvis, Stance, column_of, column_unit};
-use crate::posture::{PostureModel, StartRule, Unsuitable, load_model};
+use crate::human::{
+    Body, Coupled, Hands, PELVIS_JOINTS, POPULATION, Pelvis, Stance, column_of, column_unit,
+    workforce,
+};
+use crate::posture::{PERSONS, PostureModel, StartRule, Unsuitable, load_model};
 use crate::survey::NeckRule;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use toml::Spanned;
 
 /// The worker of a scenario.
 #[derive(Debug, Clone)]
 pub struct Worker {
     /// Bodies, the first is the main one.
     pub bodies: Vec<Body>,
+    /// Of each body the bodies of the people for whom it stands; none where it stands for itself.
+    pub members: Vec<Vec<Body>>,
     /// The posture model, for these hands (or their mirror image) and this pelvis.
     pub model: PostureModel,
     /// SHA-256 of the model's file.
@@ -80,19 +86,7 @@ impl Worker {
 }
 
 pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worker, InputError> {
-    let names = file.bodies.get_ref();
-    if names.is_empty() {
-        return Err(source
-            .error(&file.bodies, "worker.bodies is empty")
-            .remedy("name at least one"));
-    }
-    let bodies: Result<Vec<Body>, InputError> = names
-        .iter()
-        .map(|n| {
-            Body::load(n.get_ref(), source.folder).map_err(|e| source.named(n, "worker.bodies", e))
-        })
-        .collect();
-    let bodies = bodies?;
+    let (bodies, members) = bodies(source, file)?;
     let named_model = &file.posture_model;
     let (model, model_sha256) = load_model(named_model.get_ref(), source.folder)
         .map_err(|e| source.named(named_model, "worker.posture_model", e))?;
@@ -141,6 +135,7 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
     let may_step = may_step(source, file, &model, stance)?;
     Ok(Worker {
         bodies,
+        members,
         pelvis: model.pelvis(),
         model,
         model_sha256,
@@ -156,6 +151,42 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
         neck,
         other_arm: file.other_arm,
     })
+}
+
+/// The bodies, and of each the people for whom it stands.
+fn bodies(source: &Source, file: &WorkerFile) -> Result<(Vec<Body>, Vec<Vec<Body>>), InputError> {
+    let one;
+    let names = match file.bodies.get_ref() {
+        BodyNames::One(name) => {
+            one = [Spanned::new(file.bodies.span(), name.clone())];
+            &one[..]
+        }
+        BodyNames::Several(names) => names,
+    };
+    if names.is_empty() {
+        return Err(source
+            .error(&file.bodies, "worker.bodies is empty")
+            .remedy("name at least one"));
+    }
+    let women = match &file.women_share {
+        Some(share) if names.iter().all(|n| n.get_ref() != POPULATION) => {
+            return Err(source
+                .error(
+                    share,
+                    "worker.women_share is given, but no body of the scenario is a population",
+                )
+                .remedy("remove it, or set bodies = \"population\""));
+        }
+        Some(share) => source.number(share, "worker.women_share", 0.0, 1.0)?,
+        None => 0.5,
+    };
+    let of = |name: &Spanned<String>| match name.get_ref().as_str() {
+        POPULATION => workforce(women, PERSONS),
+        single => Body::load(single, source.folder)
+            .map(|body| (body, Vec::new()))
+            .map_err(|e| source.named(name, "worker.bodies", e)),
+    };
+    names.iter().map(of).collect()
 }
 
 /// How the worker stands or sits.

@@ -1,18 +1,38 @@
 //! The cell, the worker and the posture model, and what is not modelled.
 
-use crate::human::{Hands, Stance};
+use crate::human::{BodySize, Hands, Sex, Stance};
 use crate::planner::{BodyFacts, ModelSummary, NotModelled, Setting, StartKind, WorkerFacts};
 use crate::posture::Hold;
 use crate::scenario::{Adaptation, EndMismatch, Warning};
 
 /// A body with its size.
 pub fn body(b: &BodyFacts) -> String {
-    format!("{}: {}", b.name, size(b))
+    format!("{}: {}", b.name, who(b))
 }
 
-/// The size of a body.
-pub fn size(b: &BodyFacts) -> String {
-    format!("{}, stature {} m, {} kg", b.size.sex, b.size.stature_m, b.size.mass_kg)
+/// Who a body is: its size, or that of the people for whom it stands.
+pub fn who(b: &BodyFacts) -> String {
+    if b.members.is_empty() {
+        return size(&b.size);
+    }
+    let women = b.members.iter().filter(|m| m.sex == Sex::Female).count();
+    let range = |of: fn(&BodySize) -> f64| {
+        let all = || b.members.iter().map(of);
+        (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max))
+    };
+    let (short, tall) = range(|m| m.stature_m);
+    let (light, heavy) = range(|m| m.mass_kg);
+    format!(
+        "{} people, {women} women and {} men, stature {short:.2} to {tall:.2} m, {light:.0} to {heavy:.0} kg, with \
+         the spread of sizes and proportions of the ANSUR II survey",
+        b.members.len(),
+        b.members.len() - women
+    )
+}
+
+/// A size.
+pub fn size(s: &BodySize) -> String {
+    format!("{}, stature {} m, {} kg", s.sex, s.stature_m, s.mass_kg)
 }
 
 /// All bodies of a cell, a line each.
@@ -74,7 +94,12 @@ pub fn hands(hands: Hands) -> &'static str {
 /// On which body a posture model was learned, and to which it is applied.
 pub fn learned_on(m: &ModelSummary) -> String {
     let on = &m.learned_on;
-    format!("learned on body `{}` ({}), applied to {}", on.name, size(on), m.applied_to.join(", "))
+    format!(
+        "learned on body `{}` ({}), applied to {}",
+        on.name,
+        size(&on.size),
+        m.applied_to.join(", ")
+    )
 }
 
 /// Something that no figure takes into account.

@@ -202,6 +202,13 @@ fn a_scenario_with_a_slip_of_the_pen_is_refused_at_its_place() {
     refuse("preset = \"panda\"", "preset = \"panda\"\ntcp = \"x\"", "robot.tcp are both given");
     refuse("preset = \"panda\"", "preset = \"pandaa\"", "edited.toml: robot.preset:");
     refuse("\"female_p50\"", "\"female_p51\"", "edited.toml: worker.bodies:");
+    let bodies = "bodies = [\"female_p50\"]";
+    refuse(bodies, "bodies = \"female_p51\"", "edited.toml: worker.bodies:");
+    refuse(bodies, "bodies = 50", "the name of a body, or a list of names");
+    let women = |bodies: &str, share: &str| format!("bodies = {bodies}\nwomen_share = {share}");
+    refuse(bodies, &women("\"male_p50\"", "0.5"), "but no body of the scenario is a population");
+    refuse(bodies, &women("\"population\"", "40"), "worker.women_share = 40");
+    refuse(bodies, &women("[\"male_p50\", \"population\"]", "nan"), "worker.women_share = NaN");
     refuse("\"operator.json\"", "\"none.json\"", "edited.toml: worker.posture_model:");
     refuse("side = \"right\"", "side = \"right\"\ntrunk_supported = true", "but the worker stands");
     let steps = "side = \"right\"\nsteps = \"allowed\"";
