@@ -34,6 +34,8 @@ mod evaluate;
 mod evaluate_data;
 mod evaluate_print;
 mod experiment;
+mod experiment_paper;
+mod experiment_paper_print;
 mod experiment_size;
 mod import;
 mod import_print;

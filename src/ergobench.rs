@@ -12,6 +12,7 @@
 //! families   workstations        demonstrate   what the learner sees of a person
 //! cell       one workstation, body and person: learn, plan, judge
 //! table      gains by family and kind           bootstrap     their intervals, by cells
+//! performers the people at the work of the paper's experiments, for training
 //! ```
 //!
 //! Seeds 0 to 99 are for tuning, the table uses 1000 and up.
@@ -21,6 +22,7 @@ mod cell;
 mod demonstrate;
 mod families;
 mod people;
+mod performers;
 mod statistics;
 mod table;
 
@@ -28,6 +30,7 @@ pub use bootstrap::Gain;
 pub use cell::{Cell, Outcome};
 pub use families::{Family, Station, draw};
 pub use people::{Kind, TruePerson};
+pub use performers::performers;
 pub use statistics::Statistics;
 pub use table::{MISJUDGED, OUT_OF_REACH, Row, Table, Weak, table};
 

@@ -15,6 +15,7 @@
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
+//! PaperResult ─► paper on figure_box   <chain>/*.png, <chain>/*.csv, <experiment>.json
 //! ```
 //!
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
@@ -53,6 +54,7 @@ mod page_evidence;
 mod page_scene;
 mod page_scores;
 mod panel;
+mod paper;
 mod sheet;
 mod size;
 mod style;
@@ -78,6 +80,7 @@ pub use figure_held_out::held_out_figure;
 pub use figure_import::{ImportPicture, import_figure};
 pub use figure_weights::{Learned, weights_figure};
 pub use filled_page::{Picked, sheet_files};
+pub use paper::paper_files;
 pub use size::size_files;
 pub use validation::validation_files;
 

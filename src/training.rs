@@ -11,7 +11,8 @@
 //! that they had not seen. [`toy5r`] is the paper's problem with a known truth, for judging methods;
 //! [`toy5r_paper`] holds the paper's own figures for it. [`size_experiment`] shows how cost and quality
 //! grow with the number of frames, on movements of the simulated operator. [`weight_spread`] and
-//! [`held_out_curves`] are what the pictures of a training show.
+//! [`held_out_curves`] are what the pictures of a training show. [`paper`] repeats the paper's experiments
+//! with people.
 
 mod active_set;
 mod adapt;
@@ -41,6 +42,7 @@ mod modes;
 mod motion_file;
 mod noise_fit;
 mod over_feet;
+pub mod paper;
 pub mod people;
 mod rollout_check;
 mod settings;

@@ -132,7 +132,8 @@ pub(super) fn parse_optimiser(text: &str) -> Result<Optimiser, String> {
     by_name(text, &Optimiser::ALL, Optimiser::name)
 }
 
-fn methods(names: &[String]) -> Result<Vec<Method>, InputError> {
+/// The methods of these names; `all` for eight of them.
+pub(super) fn methods(names: &[String]) -> Result<Vec<Method>, InputError> {
     if names.iter().any(|n| n == "all") {
         return Ok(Method::EIGHT.to_vec());
     }

@@ -1,11 +1,13 @@
 //! `ergopath experiment`: the paper's experiments and our own, from made-up data to table and figure.
 
+use super::experiment_paper::{PaperArgs, paper};
 use super::experiment_size::{SizeArgs, size};
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::files::{InputError, Outputs, parse_toml, read_text};
 use crate::math::stats::mean;
 use crate::report::{BoxPanel, box_plots};
+use crate::training::paper::PaperExperiment;
 use crate::training::toy5r::ToyConstants;
 use crate::training::toy5r_paper::{PAPER_5R, open_constants};
 use crate::training::{
@@ -31,6 +33,12 @@ enum Which {
     Toy5r(ToyArgs),
     /// Whether the bands of rollouts hold what they promise, whatever makes people differ: six cells.
     Calibration(CalibrationArgs),
+    /// The paper's first experiment with people: the same movement, its first repetitions teach, its last test.
+    Exp1(PaperArgs),
+    /// The second: other movements teach, and the movement tests.
+    Exp2(PaperArgs),
+    /// The third: another body; simulated people sit, and recorded ones are predicted from all others.
+    Exp3(PaperArgs),
     /// How cost and held-out likelihood grow with the number of samples (a simulated operator).
     Size(SizeArgs),
 }
@@ -86,6 +94,9 @@ pub(super) fn run(args: &Args, outputs: Outputs) -> Result<Outcome, Failure> {
         Which::Toy5r(args) => toy(args, outputs),
         Which::Calibration(args) => calibration(args),
         Which::Size(args) => size(args, outputs),
+        Which::Exp1(args) => paper(PaperExperiment::Exp1, args, outputs),
+        Which::Exp2(args) => paper(PaperExperiment::Exp2, args, outputs),
+        Which::Exp3(args) => paper(PaperExperiment::Exp3, args, outputs),
     }
 }
 

@@ -209,16 +209,7 @@ fn judge(
     score.train_s += begun.elapsed().as_secs_f64();
 
     let begun = Instant::now();
-    let posteriors = law.law.posteriors().ok_or_else(singular)?;
-    let queries: Vec<_> = test.iter().map(|f| f.query()).collect();
-    let growth = law.law.growth(&posteriors, &queries);
-    let still = DVector::zeros(dataset.joints.len());
-    let predictions: Option<Vec<Prediction>> = queries
-        .iter()
-        .zip(&growth)
-        .map(|(q, growth)| law.law.predict(q, &still, growth, floors))
-        .collect();
-    let predictions = predictions.ok_or_else(singular)?;
+    let predictions = predictions(dataset, &test, &law, floors)?;
     score.predict_s += begun.elapsed().as_secs_f64() / test.len().max(1) as f64;
 
     let walks = if judging.has_rollouts {
@@ -241,6 +232,28 @@ fn judge(
         }
     }
     Ok(())
+}
+
+/// What a law (with its noise) predicts of frames, one by one.
+///
+/// # Errors
+/// Where the chain is singular there.
+pub(super) fn predictions(
+    dataset: &Dataset,
+    frames: &[&Frame],
+    law: &Law,
+    floors: &Floors,
+) -> Result<Vec<Prediction>, InputError> {
+    let posteriors = law.law.posteriors().ok_or_else(singular)?;
+    let queries: Vec<_> = frames.iter().map(|f| f.query()).collect();
+    let growth = law.law.growth(&posteriors, &queries);
+    let still = DVector::zeros(dataset.joints.len());
+    let all: Option<Vec<Prediction>> = queries
+        .iter()
+        .zip(&growth)
+        .map(|(q, growth)| law.law.predict(q, &still, growth, floors))
+        .collect();
+    all.ok_or_else(singular)
 }
 
 /// A split into whole demonstrations where the given one cuts them to pieces.

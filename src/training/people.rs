@@ -10,6 +10,7 @@ mod own_seconds;
 mod predictors;
 mod risk;
 mod seen;
+mod sources;
 mod summary;
 
 pub use bands::{Bands, FeatureScore};
@@ -23,6 +24,7 @@ pub use own_seconds::{AdaptedScore, OwnError};
 pub use predictors::Predictor;
 pub use risk::{Agreement, PartKnown, RiskScore, SheetMean, agreement};
 pub use seen::Seen;
+pub(super) use sources::read_sources;
 pub use summary::{Known, RiskAgreement, coverage};
 
 use super::dataset::{Dataset, Trial};
