@@ -15,7 +15,7 @@
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
-//! PaperResult ─► paper on figure_box   <chain>/*.png, <chain>/*.csv, <experiment>.json
+//! PaperResult ─► paper, paper_page on figure_box, figure_horizon, figure_spread, figure_weight_sets   page, PNG, CSV, JSON
 //! ```
 //!
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
@@ -38,12 +38,15 @@ mod figure_grips;
 mod figure_growth;
 mod figure_heat;
 mod figure_held_out;
+mod figure_horizon;
 mod figure_import;
 mod figure_movement;
 mod figure_paths;
 mod figure_population;
 mod figure_postures;
 mod figure_scores;
+mod figure_spread;
+mod figure_weight_sets;
 mod figure_weights;
 mod filled;
 mod filled_page;
@@ -55,6 +58,7 @@ mod page_scene;
 mod page_scores;
 mod panel;
 mod paper;
+mod paper_page;
 mod sheet;
 mod size;
 mod style;

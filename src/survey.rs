@@ -8,8 +8,8 @@ pub use whole::{WholePosture, WholeSurveyor, heel_joint};
 
 use crate::ergonomics::Side as ScoreSide;
 use crate::ergonomics::{
-    ArmAngles, ArmPose, BodyPose, Profile, RulaSteps, Sheet, TaskInputs, TrunkNeckAngles,
-    Worksheet, arm_angles, rula, trunk_neck_angles, worksheet,
+    ArmAngles, ArmPose, BackAngle, BodyPose, Profile, RulaSteps, Sheet, TaskInputs,
+    TrunkNeckAngles, Worksheet, arm_angles, back_angle, rula, trunk_neck_angles, worksheet,
 };
 use crate::files::InputError;
 use crate::human::{
@@ -215,6 +215,8 @@ struct Measured {
     neck: Segment,
     head: Segment,
     grip: Segment,
+    /// L3 and T12.
+    spine: [Segment; 2],
     arms: [ArmSegments; 2],
 }
 
@@ -256,7 +258,8 @@ impl Measured {
             })
         };
         let arms = [arm(side)?, arm(side.other())?];
-        Ok(Self { skeleton, pelvis, l5, t8, neck, head, grip, arms })
+        let spine = [of("L3")?, of("T12")?];
+        Ok(Self { skeleton, pelvis, l5, t8, neck, head, grip, spine, arms })
     }
 }
 
@@ -335,6 +338,15 @@ impl Surveyor {
             margin_m,
             l5s1_nm,
         }
+    }
+
+    /// Rotations of the spine's joints added up in the posture `q` (n, rad, leg lengths).
+    pub fn back(&self, q: &DVector<f64>) -> BackAngle {
+        let parts = &self.upper;
+        let posed = parts.skeleton.pose(&parts.skeleton.whole(q.as_slice(), Head::default()));
+        let [l3, t12] = parts.spine;
+        let spine = [parts.pelvis, parts.l5, l3, t12, parts.t8].map(|s| rotation(&posed.at(s)));
+        back_angle(&std::array::from_fn(|i| spine[i].inverse() * spine[i + 1]))
     }
 
     /// Trunk, and head in line with it.

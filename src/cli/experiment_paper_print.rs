@@ -32,7 +32,8 @@ pub(super) fn print(result: &PaperResult) {
 const NOTE: &str = "\
   Median [5th, 95th percentile] over held-out movements. LL: mean log-likelihood, nats per frame, S_x = (1e-4 m/s,
   rad/s)^2. RMSE over all joints (rad/s; displacements of a pelvis that moves in leg lengths), relative: over the rms
-  of the joint velocity. In 50 %, 90 %: share of joint velocities inside the band of the prediction; bands: share of
+  of the joint velocity. Surprise: squared residual in the null space over its predicted variance, by dimension: 1 is
+  right, more is too sure; rescaled: were each law's covariance multiplied by it. In 50 %, 90 %: share of joint velocities inside the band of the prediction; bands: share of
   joint angles inside the 90 % band of repetitions from the known start, calibrated on what teaches, and its width.
   Hand and joints: off after so many seconds by the paper's own step, from the recorded posture. The paper's columns:
   another chain, other people; its RMSE behaves like a mean of squares, so the root is shown: compare order and ratios.";
@@ -99,7 +100,8 @@ fn methods(experiment: PaperExperiment, chain: &ChainResult) -> Table {
         "method",
         "LL qdot",
         "relative RMSE",
-        "RMSE xdot e-3",
+        "RMSE xdot",
+        "surprise",
         "in 50 %",
         "in 90 %",
         "band holds (width)",
@@ -115,6 +117,7 @@ fn methods(experiment: PaperExperiment, chain: &ChainResult) -> Table {
             spread(m.ll_q, 1),
             spread(m.relative_rmse_q, 3),
             exact_or(m),
+            format!("{:.1}", m.surprise.median),
             percent(m.velocity_coverage[0]),
             percent(m.velocity_coverage[1]),
             m.bands.map_or_else(String::new, |b| {
@@ -128,7 +131,7 @@ fn methods(experiment: PaperExperiment, chain: &ChainResult) -> Table {
 }
 
 fn exact_or(m: &MethodSummary) -> String {
-    if m.rmse_x.p95 < 1e-9 { "exact".to_owned() } else { format!("{:.1}", 1e3 * m.rmse_x.median) }
+    if m.rmse_x.p95 < 1e-9 { "exact".to_owned() } else { format!("{:.0e}", m.rmse_x.median) }
 }
 
 fn over_horizon(chain: &ChainResult) -> Table {
@@ -189,32 +192,38 @@ fn lead(chain: &ChainResult) -> Vec<String> {
     let one = |a: &crate::training::paper::Against| {
         format!(
             "  mi-nsgp against {}: relative RMSE smaller in {} of {} sets (median ratio {:.2}), likelihood \
-             higher in {} (median {:+.1} nats)",
+             higher in {} (median {:+.1} nats; in {} once rescaled)",
             a.other.name(),
             a.rmse_better,
             a.sets,
             a.rmse_ratio,
             a.ll_better,
-            a.ll_gain
+            a.ll_gain,
+            a.ll_rescaled_better
         )
     };
     chain.against.iter().map(one).collect()
 }
 
 fn weights(chain: &ChainResult) -> Vec<String> {
-    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}"));
     let one = |w: &crate::training::paper::WeightAgreement| {
-        format!(
-            "  W of {}: log W differs by {} rms between sets of one person and {} between people ({:.2} from \
-             W = I); rank correlation {} and {}",
-            w.method.name(),
-            number(w.difference[0]),
-            number(w.difference[1]),
-            w.spread,
-            number(w.rank_correlation[0]),
-            number(w.rank_correlation[1])
-        )
+        let pair = |k: usize| Some((w.difference[k]?, w.rank_correlation[k]?));
+        let said = |(pair, who): (Option<(f64, f64)>, &str)| {
+            pair.map(|(off, rank)| {
+                format!("{off:.2} between sets of {who} (rank correlation {rank:.2})")
+            })
+        };
+        let pairs = [(pair(0), "one person"), (pair(1), "two people")];
+        let parts: Vec<String> = pairs.into_iter().filter_map(said).collect();
+        (!parts.is_empty()).then(|| {
+            format!(
+                "  W of {}: log W differs by {}; it is {:.2} from W = I",
+                w.method.name(),
+                parts.join(", "),
+                w.spread
+            )
+        })
     };
     let is_own = |w: &&crate::training::paper::WeightAgreement| w.method != Method::FullWGp;
-    chain.weights.iter().filter(is_own).map(one).collect()
+    chain.weights.iter().filter(is_own).filter_map(one).collect()
 }

@@ -74,7 +74,7 @@ pub fn box_plots(panels: &[BoxPanel]) -> Result<Vec<u8>, ReportError> {
 fn draw(sheet: &Sheet, panel: &BoxPanel, x_px: (f64, f64), y_px: (f64, f64)) -> Drawn {
     let finite = |v: &[f64]| v.iter().copied().filter(|v| v.is_finite()).collect::<Vec<_>>();
     let methods: Vec<Vec<f64>> = panel.methods.iter().map(|(_, v)| finite(v)).collect();
-    let all = methods.concat();
+    let all = shown(&methods);
     let axis = if panel.is_error { Axis::errors(&all) } else { Axis::linear(&all) };
     let count = methods.len().max(1);
     let on = Panel { x_px, y_px, x: (0.0, count as f64), y: axis.range };
@@ -100,6 +100,15 @@ fn draw(sheet: &Sheet, panel: &BoxPanel, x_px: (f64, f64), y_px: (f64, f64)) -> 
         }
     }
     names(sheet, panel, &on, slot)
+}
+
+/// What the axis must hold: all repeats where they are drawn one by one, else the ends of the whiskers.
+fn shown(methods: &[Vec<f64>]) -> Vec<f64> {
+    if methods.iter().all(|v| v.len() <= MOST_POINTS) {
+        return methods.concat();
+    }
+    let ends = |v: &Vec<f64>| [0.05, 0.95].map(|p| quantile(v, p));
+    methods.iter().filter(|v| !v.is_empty()).flat_map(ends).collect()
 }
 
 /// One box about `x`, `half` wide to each side; `down` says where a value stands.

@@ -103,7 +103,8 @@ pub fn noted_growth_plot(lines: &[GrowthLine], note: &GrowthNote) -> Result<Vec<
                 }
                 ends.extend(drawn.last().map(|end| (*end, k)));
             }
-            names(sheet, lines, &panel, ends)?;
+            let methods: Vec<&str> = lines.iter().map(|l| l.method.as_str()).collect();
+            end_names(sheet, &methods, &panel, ends)?;
         }
         Ok(())
     })
@@ -140,10 +141,10 @@ fn frame(sheet: &Sheet, panel: &Panel, title: &str, (x, y): (&Axis, &Axis)) -> D
     sheet.text("number of samples N", middle, Type::plain(LABEL), Anchor::Middle)
 }
 
-/// The methods' names at the ends of their lines, moved apart where these meet.
-fn names(
+/// The names of lines (pixel of the end, index) at their ends, moved apart where these meet.
+pub(super) fn end_names(
     sheet: &Sheet,
-    lines: &[GrowthLine],
+    names: &[&str],
     panel: &Panel,
     mut ends: Vec<((f64, f64), usize)>,
 ) -> Drawn {
@@ -153,7 +154,7 @@ fn names(
     for ((end, k), y) in ends.into_iter().zip(places) {
         let pen = Pen { color: method_color(k), width: 2.0, stroke: Stroke::Solid };
         sheet.line(&[(end.0 + 7.0, end.1), (panel.x_px.1 + 4.0, end.1), (x - 4.0, y)], pen)?;
-        sheet.text(&lines[k].method, (x, y), Type::plain(TICK), Anchor::Left)?;
+        sheet.text(names[k], (x, y), Type::plain(TICK), Anchor::Left)?;
     }
     Ok(())
 }

@@ -18,10 +18,10 @@ const MOST_TICKS: usize = 7;
 /// An axis spans at least this, in its own unit.
 const LEAST: [f64; 6] = [0.1, 5.0, 5.0, 5.0, 5.0, 1.0];
 
-const RECORDED: Pen = Pen { color: INK, width: 3.0, stroke: Stroke::Solid };
-const MIDDLE: Pen = Pen { color: BLUE, width: 3.0, stroke: Stroke::Dashed };
+pub(super) const RECORDED: Pen = Pen { color: INK, width: 3.0, stroke: Stroke::Solid };
+pub(super) const MIDDLE: Pen = Pen { color: BLUE, width: 3.0, stroke: Stroke::Dashed };
 /// Strength of the colours of the 90 % and the 50 % band.
-const BANDS: [f64; 2] = [0.18, 0.42];
+pub(super) const BANDS: [f64; 2] = [0.18, 0.42];
 
 /// Person, movement and curves of the movement whose energy score is the median of all that have curves: neither
 /// the best nor the worst.
@@ -83,14 +83,14 @@ pub(super) fn movement(
 }
 
 /// From the first to the last time; a second where there is none.
-fn times(time_s: &[f64]) -> (f64, f64) {
+pub(super) fn times(time_s: &[f64]) -> (f64, f64) {
     let (from, to) =
         (time_s.first().copied().unwrap_or(0.0), time_s.last().copied().unwrap_or(0.0));
     if to > from { (from, to) } else { (from, from + 1.0) }
 }
 
 /// What an axis spans.
-fn values(curve: &Curve, least: f64) -> (f64, f64) {
+pub(super) fn values(curve: &Curve, least: f64) -> (f64, f64) {
     let all = curve.quantiles.iter().flatten().chain(&curve.recorded).chain(&curve.mean);
     let (low, high) = all
         .copied()
@@ -104,7 +104,8 @@ fn values(curve: &Curve, least: f64) -> (f64, f64) {
     (middle - half, middle + half)
 }
 
-fn draw(
+/// Bands, the middle of the repetitions and what was recorded over time.
+pub(super) fn draw(
     sheet: &Sheet,
     panel: &Panel,
     (time_s, curve, middle): (&[f64], &Curve, &[f64]),

@@ -17,6 +17,7 @@ mod judge;
 mod people;
 mod result;
 mod sets;
+mod spread;
 mod summary;
 mod tables;
 
@@ -26,5 +27,6 @@ pub use judge::{PaperQuestion, run_paper};
 pub use people::performers;
 pub use result::{Chain, ChainResult, MethodOnSet, MovementScore, PaperResult, SetResult, SetSize};
 pub use sets::{PaperExperiment, Performer, Task, TrainingSet, training_sets};
+pub use spread::{PostureSpread, SCORES};
 pub use summary::MethodSummary;
 pub use tables::{PaperSpreads, paper_table};

@@ -33,6 +33,7 @@ mod moved_worlds;
 mod new_cli;
 #[cfg(unix)]
 mod outputs_cli;
+mod paper_cli;
 mod people_cli;
 mod plan_cli;
 mod planner;

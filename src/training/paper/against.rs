@@ -16,6 +16,8 @@ pub struct Against {
     pub rmse_better: usize,
     /// In how many it has the higher log-likelihood.
     pub ll_better: usize,
+    /// In how many once both are rescaled in hindsight ([`MethodOnSet::ll_rescaled`](super::MethodOnSet)).
+    pub ll_rescaled_better: usize,
     /// Median over sets of the ratio of its relative RMSE to the other's.
     pub rmse_ratio: f64,
     /// Median over sets of its log-likelihood less the other's, nats per frame.
@@ -57,6 +59,7 @@ pub(super) fn against(sets: &[SetResult]) -> Vec<Against> {
                 .filter(|(a, b)| a.relative_rmse_q < b.relative_rmse_q)
                 .count(),
             ll_better: pairs.iter().filter(|(a, b)| a.ll_q > b.ll_q).count(),
+            ll_rescaled_better: pairs.iter().filter(|(a, b)| a.ll_rescaled > b.ll_rescaled).count(),
             rmse_ratio: median(&|s| pairs[s].0.relative_rmse_q / pairs[s].1.relative_rmse_q),
             ll_gain: median(&|s| pairs[s].0.ll_q - pairs[s].1.ll_q),
         }
@@ -112,6 +115,8 @@ mod tests {
             method,
             relative_rmse_q,
             ll_q,
+            surprise: 1.0,
+            ll_rescaled: -ll_q,
             weights,
             bands: None,
             movements: Vec::new(),
@@ -139,6 +144,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].other, found[0].sets), (full, 3));
         assert_eq!((found[0].rmse_better, found[0].ll_better), (2, 1));
+        assert_eq!(found[0].ll_rescaled_better, 2);
         assert!((found[0].rmse_ratio - 0.8).abs() < 1e-12 && found[0].ll_gain == -1.0);
         let weights = weight_agreement(&sets);
         assert_eq!((weights.len(), weights[0].method, weights[0].pairs), (1, own, [1, 2]));

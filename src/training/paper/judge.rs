@@ -6,9 +6,11 @@ use super::result::{
     Chain, ChainResult, MethodOnSet, MovementScore, PaperResult, SetResult, SetSize,
 };
 use super::sets::{PaperExperiment, TrainingSet};
+use super::spread::posture_spread;
 use super::summary::summary;
 use crate::files::InputError;
 use crate::human::PELVIS_JOINTS;
+use crate::math::redundancy::null_space_basis;
 use crate::math::stats::{mean, normal_quantile};
 use crate::posture::{Floors, Method, Prediction};
 use crate::training::dataset::runs;
@@ -81,7 +83,15 @@ pub fn run_paper(
         let Some(judged) = judged?.into_iter().collect::<Option<Vec<_>>>() else {
             return Ok(None);
         };
-        found.push(chain_result(chain, sets, &prepared, judged, question.methods.len()));
+        let mut result = chain_result(chain, sets, &prepared, judged, question.methods.len());
+        for (m, method) in question.methods.iter().enumerate() {
+            if question.banded.contains(method) {
+                let shown = middle_set(&result, m);
+                let own = (&sets[shown], &prepared[shown]);
+                result.spreads.push(posture_spread(own, *method, settings)?);
+            }
+        }
+        found.push(result);
     }
     told(total, total);
     Ok(Some(PaperResult {
@@ -125,8 +135,17 @@ fn chain_result(
         against: against(&results),
         weights: weight_agreement(&results),
         horizon: (0..methods).map(|m| curve(name(m), &walks(m))).collect(),
+        spreads: Vec::new(),
         sets: results,
     }
+}
+
+/// The set whose relative RMSE is the median of all by the `m`-th method: neither the best nor the worst.
+fn middle_set(result: &ChainResult, m: usize) -> usize {
+    let mut order: Vec<usize> = (0..result.sets.len()).collect();
+    let error = |s: usize| result.sets[s].methods[m].relative_rmse_q;
+    order.sort_by(|a, b| error(*a).total_cmp(&error(*b)));
+    order[order.len() / 2]
 }
 
 /// Whether all movements of a set hold a chain.
@@ -218,10 +237,15 @@ impl Prepared {
             })
             .collect();
         let learns = method.identifies_weights();
+        let surprise = over_frames(&movements, |s| s.surprise);
+        let free = (dataset.joints.len() - dataset.task_rows()) as f64;
+        let ll_null = over_frames(&movements, |s| s.ll_null);
         Ok(MethodOnSet {
             method,
             relative_rmse_q: relative_rmse(&movements),
             ll_q: over_frames(&movements, |s| s.ll_q),
+            surprise,
+            ll_rescaled: ll_null + 0.5 * free * (surprise - surprise.ln() - 1.0),
             weights: learns.then(|| over_geometric_mean(&law.law.weight)),
             bands: if is_banded { Some(self.banded(&law, settings)?) } else { None },
             movements,
@@ -237,6 +261,7 @@ impl Prepared {
     ) -> MovementScore {
         let frames: Vec<&Frame> = rows.iter().map(|r| r.0).collect();
         let velocity_coverage = [0.5, 0.9].map(|share| covered(&rows, share));
+        let surprise = mean(&rows.iter().map(surprise).collect::<Vec<_>>());
         let score = group(rows, floors);
         let longest = runs(&frames).into_iter().rev().max_by_key(Vec::len);
         MovementScore {
@@ -244,6 +269,7 @@ impl Prepared {
             frames: score.rows,
             ll_q: score.ll_q,
             ll_null: score.ll_null,
+            surprise,
             rmse_q: score.rmse_q,
             relative_rmse_q: score.relative_rmse_q,
             ll_x: score.ll_x,
@@ -261,6 +287,15 @@ impl Prepared {
         let how = (settings.seed, settings.sampling);
         Ok(bands(dataset, &sampled, &paths, ROLLOUTS, how)?.0)
     }
+}
+
+/// Squared residual of one frame within the null space in units of its variance, by dimension; NaN where that is
+/// not positive definite.
+fn surprise((frame, p): &(&Frame, &Prediction)) -> f64 {
+    let v = null_space_basis(&frame.jacobian);
+    let inside = v.tr_mul(&(&frame.qdot - &p.mean));
+    let factor = v.tr_mul(&(&p.covariance * &v)).cholesky();
+    factor.map_or(f64::NAN, |f| f.solve(&inside).dot(&inside) / inside.len() as f64)
 }
 
 /// Share of joint velocities inside the central band that should hold `share` of them.
@@ -329,7 +364,8 @@ mod tests {
                 .filter_map(|i| Some(reaches.next()?.sparse_trial(format!("{name} {i}"))))
                 .collect(),
         });
-        Performer { name: name.to_owned(), body, side: Side::Right, tasks: tasks.to_vec() }
+        let (side, tasks) = (Side::Right, tasks.to_vec());
+        Performer { name: name.to_owned(), body, side, is_seated: false, tasks }
     }
 
     fn question(experiment: PaperExperiment) -> PaperQuestion {
@@ -372,10 +408,28 @@ mod tests {
                 let people = set.train.people;
                 assert_eq!((people, set.methods.len()), (1, 4));
                 assert!(set.rank > 1.0 && set.rank < joints as f64);
+                for own in &set.methods {
+                    // The best scale can only help, and 1 is one of the scales.
+                    let size = set.test.frames as f64;
+                    let null = own.movements.iter().map(|s| s.frames as f64 * s.ll_null);
+                    let null = null.sum::<f64>() / size;
+                    assert!(own.ll_rescaled >= null - 1e-9 && own.surprise > 0.0);
+                }
                 // Who does not look at the hand loses it.
                 let far = |i: usize| chain.horizon[i].points.last().unwrap().hand_mm;
                 assert!(far(2) < 20.0 && far(3) > 2.0 * far(2), "{} {}", far(2), far(3));
                 assert!(chain.horizon[2].points[0].joints_deg > 0.0);
+                let [shown] = &chain.spreads[..] else { panic!("one method has bands") };
+                let frames = shown.time_s.len();
+                assert_eq!((shown.method, shown.recorded.len()), (Method::FullW, frames));
+                assert!(
+                    shown.samples.iter().all(|s| s.len() == frames) && shown.samples.len() > 20
+                );
+                for curve in &shown.scores {
+                    // All begin in the recorded posture.
+                    assert!((curve.mean[0] - curve.recorded[0]).abs() < 1e-9);
+                    assert!(curve.quantiles[0].last() <= curve.quantiles[4].last());
+                }
             }
         }
     }

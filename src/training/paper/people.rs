@@ -23,7 +23,15 @@ pub fn performers(file: &PeopleFile) -> Result<(Vec<Performer>, Vec<Source>), In
                 None => tasks.push(Task { name, is_primitive: true, repetitions: trials }),
             }
         }
-        performers.push(Performer { name: own.name, body: own.body, side: own.side, tasks });
+        // Whether they sat is not said; it does not change what is learned.
+        let is_seated = false;
+        performers.push(Performer {
+            name: own.name,
+            body: own.body,
+            side: own.side,
+            is_seated,
+            tasks,
+        });
         all.extend(own.sources);
     }
     Ok((performers, all))

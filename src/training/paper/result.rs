@@ -3,6 +3,7 @@
 use super::against::{Against, WeightAgreement};
 use super::horizon::{HorizonCurve, Walk};
 use super::sets::PaperExperiment;
+use super::spread::PostureSpread;
 use super::summary::MethodSummary;
 use crate::posture::Method;
 use crate::training::Bands;
@@ -53,6 +54,9 @@ pub struct MovementScore {
     pub ll_q: f64,
     /// The same within the null space, nats per frame.
     pub ll_null: f64,
+    /// Mean over frames of the squared residual within the null space in units of its predicted variance, by
+    /// dimension: 1 where the law knows how sure it is, more where it is too sure.
+    pub surprise: f64,
     /// RMSE of the joint velocity, rad/s.
     pub rmse_q: f64,
     /// The same over the rms of the joint velocity.
@@ -77,6 +81,11 @@ pub struct MethodOnSet {
     pub relative_rmse_q: f64,
     /// Mean log-likelihood of the joint velocity over all of them, nats per frame.
     pub ll_q: f64,
+    /// [`MovementScore::surprise`] over all of them.
+    pub surprise: f64,
+    /// Log-likelihood within the null space were all covariances scaled by that, nats per frame: what the law says
+    /// when its sureness is put right in hindsight.
+    pub ll_rescaled: f64,
     /// Diagonal of W over its geometric mean, n; none of methods that do not learn W.
     pub weights: Option<Vec<f64>>,
     /// What bands of repetitions from the known start held, of methods of which it was asked.
@@ -120,6 +129,9 @@ pub struct ChainResult {
     pub weights: Vec<WeightAgreement>,
     /// Errors of hand and joints over the horizon.
     pub horizon: Vec<HorizonCurve>,
+    /// Sampled trajectories of one held-out movement, of methods of which bands were asked.
+    #[serde(skip)]
+    pub spreads: Vec<PostureSpread>,
 }
 
 /// One of the paper's experiments.

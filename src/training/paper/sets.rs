@@ -51,6 +51,8 @@ pub struct Performer {
     pub body: Body,
     /// The hand that leads.
     pub side: Side,
+    /// Whether they sat.
+    pub is_seated: bool,
     /// What they did.
     pub tasks: Vec<Task>,
 }
@@ -66,6 +68,8 @@ pub struct TrainingSet {
     pub body: Body,
     /// The hand that leads.
     pub side: Side,
+    /// Whether they sit.
+    pub is_seated: bool,
     /// Whether others teach instead of the person's own movements.
     pub is_by_others: bool,
     /// Movements that teach, by person.
@@ -89,12 +93,11 @@ pub fn training_sets(
         .flat_map(|own| own.tasks.iter().filter(|t| t.is_primitive).map(move |task| (own, task)))
         .filter_map(|(own, task)| {
             let (train, test) = match experiment {
-                PaperExperiment::Exp1 => halves(task)?,
                 PaperExperiment::Exp2 => (vec![other_tasks(own, task)], second_half(task)),
                 PaperExperiment::Exp3 if by_others => {
                     (others(performers, own, task), task.repetitions.clone())
                 }
-                PaperExperiment::Exp3 => halves(task)?,
+                PaperExperiment::Exp1 | PaperExperiment::Exp3 => halves(task)?,
             };
             let teaches = train.iter().any(|t| !t.is_empty());
             (teaches && !test.is_empty()).then(|| TrainingSet {
@@ -102,6 +105,7 @@ pub fn training_sets(
                 task: task.name.clone(),
                 body: own.body.clone(),
                 side: own.side,
+                is_seated: own.is_seated,
                 is_by_others: by_others && experiment == PaperExperiment::Exp3,
                 train,
                 test,
@@ -187,7 +191,7 @@ mod tests {
 
     fn person(name: &str, tasks: Vec<Task>) -> Performer {
         let body = Body::load("male_p50", Path::new(".")).unwrap();
-        Performer { name: name.to_owned(), body, side: Side::Right, tasks }
+        Performer { name: name.to_owned(), body, side: Side::Right, is_seated: false, tasks }
     }
 
     fn names(trials: &[Trial]) -> Vec<&str> {

@@ -23,6 +23,8 @@ pub struct MethodSummary {
     pub ll_x: Percentiles,
     /// RMSE of the task velocity, m/s and rad/s.
     pub rmse_x: Percentiles,
+    /// Squared residual in units of its predicted variance, by dimension of the null space.
+    pub surprise: Percentiles,
     /// Share of joint velocities inside the central 50 and 90 % band, over all frames.
     pub velocity_coverage: [f64; 2],
     /// What bands of repetitions held, mean over sets; none where it was not asked.
@@ -50,6 +52,7 @@ pub(super) fn summary(sets: &[SetResult], m: usize) -> Option<MethodSummary> {
         relative_rmse_q: spread(|s| s.relative_rmse_q),
         ll_x: spread(|s| s.ll_x),
         rmse_x: spread(|s| s.rmse_x),
+        surprise: spread(|s| s.surprise),
         velocity_coverage: [covered(0), covered(1)],
         bands: mean_bands(&own.iter().filter_map(|o| o.bands).collect::<Vec<_>>()),
     })

@@ -31,7 +31,7 @@ pub struct Curves {
 
 impl Curve {
     /// Of what was recorded (T) and of repetitions (R x T, two or more).
-    pub(super) fn of(recorded: Vec<f64>, walks: &[Vec<f64>]) -> Self {
+    pub(in crate::training) fn of(recorded: Vec<f64>, walks: &[Vec<f64>]) -> Self {
         let at = |t: usize| {
             let mut values: Vec<f64> = walks.iter().map(|w| w[t]).collect();
             values.sort_by(f64::total_cmp);
