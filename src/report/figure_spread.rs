@@ -6,7 +6,7 @@ use super::figure_paths::{Look, extent};
 use super::mannequin;
 use super::panel::{Key, Panel, legend};
 use super::sheet::{Anchor, At, Drawn, Sheet, Type, png};
-use super::style::{BLUE, FAINT, INK, LABEL, MUTED, Pen, Stroke, TICK, TITLE, tint};
+use super::style::{BLUE, FAINT, INK, LABEL, MUTED, Pen, SKY, Stroke, TICK, TITLE, tint};
 use crate::human::{Head, Mannequin};
 use crate::math::Pose;
 use crate::planner::PosedMannequin;
@@ -24,7 +24,7 @@ const SHARES: [f64; 3] = [0.33, 0.66, 1.0];
 const ACROSS: (f64, f64, f64) = (110.0, 420.0, 300.0);
 const DOWN: (f64, f64) = (800.0, 1090.0);
 /// Sampled postures that are drawn.
-const DRAWN: usize = 60;
+const DRAWN: usize = 30;
 /// An axis of a score spans at least this.
 const LEAST: [f64; 4] = [2.0, 2.0, 2.0, 10.0];
 
@@ -85,7 +85,7 @@ fn note(spread: &PostureSpread, is_simulated: bool) -> String {
     )
 }
 
-const SAMPLE: Pen = Pen { color: BLUE, width: 1.2, stroke: Stroke::Solid };
+const SAMPLE: Pen = Pen { color: SKY, width: 1.2, stroke: Stroke::Solid };
 
 /// A body that can be posed and drawn.
 struct Drawable<'a> {
