@@ -12,5 +12,5 @@ mod model;
 mod urdf;
 
 pub use linkage::{Frames, JointLimit, Linkage, LinkageError, Tip};
-pub use model::{Joint, JointKind, Link, Mimic, Model, ModelError, Shape};
+pub use model::{Joint, JointKind, Link, LinkMesh, Mimic, Model, ModelError, Shape};
 pub use urdf::{parse_urdf, read_urdf};

@@ -75,6 +75,7 @@ pub mod files;
 pub mod human;
 pub mod kinematics;
 pub mod math;
+pub mod mesh;
 pub mod path;
 pub mod planner;
 pub mod posture;

@@ -22,6 +22,8 @@ mod follow;
 mod grade;
 mod ik;
 mod joint_trajectory;
+mod link_shapes;
+mod mesh_files;
 mod preset;
 mod refusal;
 mod resolve;
@@ -43,6 +45,7 @@ pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_post
 pub use joint_trajectory::{
     Duration, Header, JointMargin, JointTrajectory, OddVelocity, Point, TrajectoryFault,
 };
+pub use link_shapes::{AssumedShapes, MeshFault, MissingMesh};
 pub use preset::PRESETS;
 pub use refusal::{AtLimit, NoMotion};
 pub use room::{NotChecked, ObstacleClearance, RobotFacts, RobotMargins, SelfCheck, SelfClearance};

@@ -98,6 +98,7 @@ fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
         let size: Vec<String> = (0..3).map(|i| format!("{:.2}", high[i] - low[i])).collect();
         says.push(format!("obstacle `{name}`, {} m", size.join(" x ")));
     }
+    says.extend(s.meshes.iter().map(words::setting::mesh));
     for p in &scenario.paths {
         says.push(format!("your path `{}`, {:.2} s", p.name, p.path.duration_s()));
     }

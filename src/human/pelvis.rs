@@ -40,7 +40,8 @@ pub(super) fn on_moving_pelvis(model: &Model, leg_m: f64) -> Result<Model, Model
         name: name.to_owned(),
         mass_kg: 0.0,
         shapes: Vec::new(),
-        meshes: 0,
+        mass_center: Vec3::zeros(),
+        meshes: Vec::new(),
         parent_joint: None,
     };
     let Some(pelvis) = model.link_index(PELVIS) else {

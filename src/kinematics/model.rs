@@ -77,6 +77,17 @@ pub enum Shape {
     },
 }
 
+/// A mesh file that gives a link its shape.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkMesh {
+    /// The file as the description names it: a path, or an address such as `package://..`.
+    pub file: String,
+    /// Pose of the mesh in the link's frame.
+    pub pose: Pose,
+    /// Factors along the axes of the mesh, from its numbers to metres.
+    pub scale: Vec3,
+}
+
 /// A rigid segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
@@ -84,10 +95,12 @@ pub struct Link {
     pub name: String,
     /// Mass, kg; 0 for a link that is only a frame.
     pub mass_kg: f64,
-    /// Collision shapes with their poses in the link's frame. Meshes are left out.
+    /// Centre of mass in the link's frame, m.
+    pub mass_center: Vec3,
+    /// Simple collision shapes with their poses in the link's frame.
     pub shapes: Vec<(Pose, Shape)>,
-    /// Number of collision meshes that are left out.
-    pub meshes: usize,
+    /// Collision meshes; where a link has no collision shape at all, the meshes that it is drawn by.
+    pub meshes: Vec<LinkMesh>,
     /// Index of the joint whose child this link is; none for the root.
     pub parent_joint: Option<usize>,
 }

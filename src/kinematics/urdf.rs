@@ -6,8 +6,9 @@
 //! becomes a warning of the model.
 
 mod limits;
+mod plain;
 
-use super::model::{Joint, JointKind, Link, Mimic, Model, Shape};
+use super::model::{Joint, JointKind, Link, LinkMesh, Mimic, Model, Shape};
 use crate::files::{InputError, read_text, suggest};
 use crate::math::{Pose, Vec3};
 use nalgebra::UnitQuaternion;
@@ -45,6 +46,8 @@ pub fn read_urdf(path: &Path) -> Result<Model, InputError> {
 
 /// Parses and checks URDF text; `path` is only named in errors.
 pub fn parse_urdf(path: &Path, text: &str) -> Result<Model, InputError> {
+    let text = plain::with_prefixes(text);
+    let text = text.as_ref();
     let document = Document::parse(text).map_err(|e| xml_error(path, text, &e))?;
     let robot = document.root_element();
     if robot.tag_name().name() != "robot" {
@@ -57,12 +60,13 @@ pub fn parse_urdf(path: &Path, text: &str) -> Result<Model, InputError> {
     let mut warnings = Vec::new();
     source.check_macros(&document)?;
     source.check_top_level(robot, &mut warnings)?;
-    let parsed = urdf_rs::read_from_string(text).map_err(|e| {
+    let plain = source.plain(robot, &mut warnings)?;
+    let parsed = urdf_rs::read_from_string(&plain).map_err(|e| {
         InputError::new(path, format!("is not valid URDF: {e}"))
             .remedy("check the file with a URDF validator; xacro files must be expanded first")
     })?;
     limits::check_shapes(path, &parsed)?;
-    let joint_nodes: Vec<Node> = robot.children().filter(|n| n.has_tag_name("joint")).collect();
+    let joint_nodes: Vec<Node> = plain::named(robot, "joint").collect();
     let mut links: Vec<Link> = parsed.links.iter().map(convert_link).collect();
     let massless = parsed.links.iter().filter(|l| l.inertial.mass.value <= 0.0).count();
     if massless > 0 {
@@ -123,7 +127,10 @@ impl Source<'_> {
                 warnings.push(format!("stray text `{shown}` between the elements is ignored"));
             }
             let tag = child.tag_name().name();
-            if child.is_element() && !KNOWN_TAGS.contains(&tag) {
+            let is_own = child.tag_name().namespace() == robot.tag_name().namespace();
+            if child.is_element() && !is_own {
+                warnings.push(format!("element `{tag}` of another program is ignored"));
+            } else if child.is_element() && !KNOWN_TAGS.contains(&tag) {
                 if let Some(hint) = suggest(tag, ["link", "joint", "material"]) {
                     return Err(self.error(child, format!("unknown element `{tag}`")).remedy(hint));
                 }
@@ -270,8 +277,11 @@ fn convert_pose(pose: &urdf_rs::Pose) -> Pose {
     )
 }
 
-fn is_mesh(geometry: &urdf_rs::Geometry) -> bool {
-    matches!(geometry, urdf_rs::Geometry::Mesh { .. })
+/// A mesh, of what is a mesh.
+fn mesh(origin: &urdf_rs::Pose, geometry: &urdf_rs::Geometry) -> Option<LinkMesh> {
+    let urdf_rs::Geometry::Mesh { filename, scale } = geometry else { return None };
+    let scale = scale.as_ref().map_or(Vec3::repeat(1.0), |s| Vec3::from(s.0));
+    Some(LinkMesh { file: filename.clone(), pose: convert_pose(origin), scale })
 }
 
 fn convert_link(link: &urdf_rs::Link) -> Link {
@@ -287,11 +297,15 @@ fn convert_link(link: &urdf_rs::Link) -> Link {
         };
         Some((convert_pose(&c.origin), shape))
     });
+    let collision = link.collision.iter().filter_map(|c| mesh(&c.origin, &c.geometry));
+    let visual = link.visual.iter().filter_map(|v| mesh(&v.origin, &v.geometry));
+    let center = convert_pose(&link.inertial.origin).translation.vector;
     Link {
         name: link.name.clone(),
         mass_kg: link.inertial.mass.value,
+        mass_center: if center.iter().all(|v| v.is_finite()) { center } else { Vec3::zeros() },
         shapes: shapes.collect(),
-        meshes: link.collision.iter().filter(|c| is_mesh(&c.geometry)).count(),
+        meshes: if link.collision.is_empty() { visual.collect() } else { collision.collect() },
         parent_joint: None,
     }
 }
@@ -387,6 +401,77 @@ mod tests {
         assert_eq!(model.joints[0].axis, Vec3::z());
         let all = model.warnings.join(" | ");
         assert!(all.contains("length 3") && all.contains("stray text"), "{all}");
+    }
+
+    #[test]
+    fn what_other_programs_write_is_read_past() {
+        let link = "<link name=\"arm\"/>";
+        let odd = "<!-- a --><link name=\"arm\">stray<visual><geometry><sphere radius=\"1\"/></geometry>\
+             <material name=\"a\"/><!-- b --><material name=\"b\"/></visual>\
+             <collision><geometry><plane/></geometry></collision><inertial/>\
+             <sim:friction mu=\"1\"/></link><other:link other:name=\"x\"/>";
+        let model = parse(&GOOD.replace(link, odd).replace(
+            "<axis xyz=\"0 1 0\"/>",
+            "<axis xyz=\"0 1 0\"/>\
+             <safety_controller soft_upper_limit=\"1\"/><limit velocity=\"2\"/>stray<!-- c -->",
+        ))
+        .unwrap();
+        assert_eq!((model.links.len(), model.joints.len()), (3, 2));
+        assert_eq!(model.joints[1].velocity, 2.0);
+        let all = model.warnings.join(" | ");
+        assert!(all.contains("link `arm`: a collision shape of `plane` is left out"), "{all}");
+        assert!(all.contains("link `arm`: its inertial has no mass"), "{all}");
+        assert!(all.contains("element `link` of another program"), "{all}");
+        let twice = parse(
+            &GOOD.replace("<axis xyz=\"0. 0. 1.\"/>", "<axis xyz=\"0 0 1\"/><axis xyz=\"1 0 0\"/>"),
+        );
+        assert!(
+            twice.unwrap().warnings.join(" ").contains("joint `a`: of several `axis` the first")
+        );
+    }
+
+    #[test]
+    fn faults_are_named_with_element_and_owner() {
+        for (from, to, said) in [
+            (
+                "xyz=\"0. 0. 1.\"",
+                "xyz=\"0 1\"",
+                "joint `a`: axis xyz = \"0 1\" is not three numbers",
+            ),
+            (
+                "xyz=\"1 0 0\"",
+                "xyz=\"1,0 0 0\"",
+                "joint `b`: origin xyz = \"1,0 0 0\" is not three numbers / give three numbers, with points",
+            ),
+            ("lower=\"-1\"", "lower=\"low\"", "joint `a`: limit lower = \"low\" is not a number"),
+            (
+                "type=\"continuous\"",
+                "type=\"continous\"",
+                "joint `b`: there is no type `continous` / did you mean `continuous`?",
+            ),
+            ("type=\"continuous\"", "", "joint `b`: joint has no `type`"),
+            ("<parent link=\"arm\"/>", "", "joint `b` has no <parent link=\"..\"/>"),
+            ("<parent link=\"arm\"/>", "<parent/>", "joint `b`: parent has no `link`"),
+            ("<link name=\"arm\"/>", "<link/>", "a link: link has no `name`"),
+            (
+                "<link name=\"arm\"/>",
+                "<link name=\"arm\"><collision><geometry><box/></geometry></collision></link>",
+                "link `arm`: box has no `size`",
+            ),
+            (
+                "<link name=\"arm\"/>",
+                "<link name=\"arm\"><inertial><mass value=\"1 kg\"/></inertial></link>",
+                "link `arm`: mass value = \"1 kg\" is not a number",
+            ),
+            (
+                "<link name=\"arm\"/>",
+                "<link name=\"arm\"><visual><geometry><mesh filename=\"a\" scale=\"0 1 1\"/></geometry></visual></link>",
+                "link `arm`: the scale of a mesh is \"0 1 1\"",
+            ),
+        ] {
+            let found = refusal(from, to);
+            assert!(found.contains(said), "{found}");
+        }
     }
 
     proptest! {

@@ -8,7 +8,7 @@ use super::person::Person;
 use crate::files::InputError;
 use crate::human::{Body, Coupled, Segment, Side, Skeleton, Stance};
 use crate::path::Box3;
-use crate::robot::NoMotion;
+use crate::robot::{AssumedShapes, NoMotion};
 use crate::scenario::{LowHand, Scenario};
 
 /// Share of the start postures that has to get to an end, and of the repetitions that has to follow.
@@ -41,6 +41,8 @@ pub enum CellFinding<'a> {
     RobotTouches(&'a RobotReach),
     /// There are obstacles, but the robot has no shapes to measure distances from.
     ObstaclesUnchecked,
+    /// Links of the robot whose shapes are not known, and that are checked as assumed capsules.
+    AssumedShapes(&'a AssumedShapes),
     /// The robot cannot follow the straight path: why, and after which share of the duration.
     RobotStopped(&'a NoMotion, f64),
     /// The robot touches an obstacle on the straight path.
@@ -96,6 +98,7 @@ impl CellLook {
         if !self.setting.obstacles.is_empty() && self.robot.iter().any(is_blind) {
             all.push(F::ObstaclesUnchecked);
         }
+        all.extend(self.setting.robot.assumed_shapes.iter().map(F::AssumedShapes));
         for h in &self.hands {
             let share = h.reached as f64 / h.tries.max(1) as f64;
             if h.reached == 0 {

@@ -152,8 +152,24 @@ pub(super) fn setting(scenario: &Scenario) -> Setting {
         start_m: scenario.start.translation.vector.into(),
         goal_m: scenario.goal.translation.vector.into(),
         facing: [w.facing.cos(), w.facing.sin()],
-        obstacles: scenario.obstacles.iter().map(bounds).collect(),
+        obstacles: boxes(&scenario.obstacles),
+        meshes: scenario.meshes.iter().map(|m| m.facts.clone()).collect(),
     }
+}
+
+/// Axis-aligned boxes around obstacles; the parts of a mesh share one.
+fn boxes(obstacles: &[(String, Obstacle)]) -> Vec<(String, [f64; 3], [f64; 3])> {
+    let mut all: Vec<(String, [f64; 3], [f64; 3])> = Vec::new();
+    for (name, low, high) in obstacles.iter().map(bounds) {
+        match all.last_mut().filter(|l| l.0 == name) {
+            Some((_, l, h)) => (0..3).for_each(|i| {
+                l[i] = l[i].min(low[i]);
+                h[i] = h[i].max(high[i]);
+            }),
+            None => all.push((name, low, high)),
+        }
+    }
+    all
 }
 
 /// An axis-aligned box around an obstacle.
@@ -174,6 +190,10 @@ fn bounds((name, obstacle): &(String, Obstacle)) -> (String, [f64; 3], [f64; 3])
             pose.translation.vector,
             turned(pose, nalgebra::Vector3::new(*radius, *radius, 0.5 * length)),
         ),
+        Obstacle::Hull(hull) => {
+            let (low, high) = hull.bounds();
+            (low.into(), high.into())
+        }
     };
     (name.clone(), low, high)
 }

@@ -26,37 +26,56 @@ pub(super) fn scene(scenario: &Scenario, motions: Vec<SceneMotion>) -> Scene {
     let workspace = scenario.limits.workspace.as_ref();
     Scene {
         workspace_m: workspace.map(|b| [b.min.into(), b.max.into()]),
-        obstacles: scenario.obstacles.iter().map(obstacle).collect(),
+        obstacles: scenario.obstacles.iter().filter_map(obstacle).chain(meshes(scenario)).collect(),
         motions,
     }
 }
 
-fn obstacle((name, obstacle): &(String, Obstacle)) -> SceneObstacle {
+/// Most triangles of all meshes together that a page draws.
+const MOST_TRIANGLES: usize = 16_000;
+
+/// The meshes as they look, not the parts by which distances are measured.
+fn meshes(scenario: &Scenario) -> impl Iterator<Item = SceneObstacle> {
+    let most = MOST_TRIANGLES / scenario.meshes.len().max(1);
+    scenario.meshes.iter().map(move |m| {
+        let (points, triangles) = m.drawn.thinned(most).0.indexed();
+        let millimetres = |p: &Vec3| [p.x, p.y, p.z].map(|v| (1e3 * v).round() as i32);
+        let points_mm = points.iter().map(millimetres).collect();
+        SceneObstacle {
+            name: m.facts.name.clone(),
+            shape: SceneShape::Mesh { points_mm, triangles },
+        }
+    })
+}
+
+/// A simple obstacle; none for a part of a mesh.
+fn obstacle((name, obstacle): &(String, Obstacle)) -> Option<SceneObstacle> {
     let center = |pose: &Pose| pose.translation.vector.into();
     let turn = |pose: &Pose| {
         let q = pose.rotation.quaternion();
         [q.w, q.i, q.j, q.k]
     };
-    let shape = match *obstacle {
-        Obstacle::Box { ref pose, size } => SceneShape::Box {
+    let shape = match obstacle {
+        Obstacle::Hull(_) => return None,
+        Obstacle::Box { pose, size } => SceneShape::Box {
             center_m: center(pose),
             quaternion_wxyz: turn(pose),
-            size_m: size.into(),
+            size_m: (*size).into(),
         },
         Obstacle::Sphere { center, radius } => {
-            SceneShape::Sphere { center_m: center.into(), radius_m: radius }
+            SceneShape::Sphere { center_m: (*center).into(), radius_m: *radius }
         }
         Obstacle::Capsule { a, b, radius } => {
-            SceneShape::Capsule { ends_m: [a.into(), b.into()], radius_m: radius }
+            SceneShape::Capsule { ends_m: [(*a).into(), (*b).into()], radius_m: *radius }
         }
-        Obstacle::Cylinder { ref pose, radius, length } => SceneShape::Cylinder {
+        Obstacle::Cylinder { pose, radius, length } => SceneShape::Cylinder {
             center_m: center(pose),
             quaternion_wxyz: turn(pose),
-            radius_m: radius,
-            length_m: length,
+            radius_m: *radius,
+            length_m: *length,
         },
     };
-    SceneObstacle { name: name.clone(), shape }
+    Some(SceneObstacle { name: name.clone(), shape })
 }
 
 /// Robot and worker along a reported path.

@@ -2,7 +2,7 @@
 //! what was not checked. How it is said is the business of [`crate::words`].
 
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
-use crate::robot::NotChecked;
+use crate::robot::{AssumedShapes, NotChecked};
 use crate::scenario::{EndMismatch, LowHand};
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +54,8 @@ pub enum Finding {
         /// Why.
         why: Why,
     },
+    /// Links of the robot whose shapes are not known, and that were checked as assumed capsules.
+    AssumedShapes(AssumedShapes),
     /// Repetitions whose hand cannot follow.
     OutOfReach {
         /// Body.
@@ -222,6 +224,7 @@ impl Finding {
         match self {
             Self::NotSupported { .. }
             | Self::NotChecked { .. }
+            | Self::AssumedShapes(_)
             | Self::OtherEnds { .. }
             | Self::BreaksLimits { .. } => Severity::Doubt,
             Self::BeyondData { .. }

@@ -17,7 +17,7 @@ use crate::posture::{Hold, MethodQuality};
 use crate::robot::{
     JointMargin, JointTrajectory, ObstacleClearance, RobotFacts, RobotMargins, SelfClearance,
 };
-use crate::scenario::{Chosen, EndMismatch, Origin, OtherArm, Task, Warning};
+use crate::scenario::{Chosen, EndMismatch, MeshFacts, Origin, OtherArm, Task, Warning};
 use crate::survey::NeckRule;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -807,6 +807,9 @@ pub struct Setting {
     pub facing: [f64; 2],
     /// Obstacles as boxes that bound them, for drawings: name, lower and upper corner, m.
     pub obstacles: Vec<(String, [f64; 3], [f64; 3])>,
+    /// Obstacles that are meshes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub meshes: Vec<MeshFacts>,
 }
 
 /// A body.

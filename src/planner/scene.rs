@@ -65,6 +65,13 @@ pub enum SceneShape {
         /// Full length.
         length_m: f64,
     },
+    /// Triangles, fewer than the mesh has that they are drawn for.
+    Mesh {
+        /// Corners in whole millimetres.
+        points_mm: Vec<[i32; 3]>,
+        /// Indices of the corners.
+        triangles: Vec<[u32; 3]>,
+    },
 }
 
 /// Robot and worker along one path.

@@ -99,7 +99,13 @@ pub(super) fn verdict(
         _ => Decision::NothingFeasible,
     };
     let body = lead.and_then(|l| worst_index(&l.bodies).map(|i| (l, &l.bodies[i])));
-    let Some((lead, body)) = body else { return nothing_feasible(candidates, caveat) };
+    let Some((lead, body)) = body else {
+        let mut verdict = nothing_feasible(candidates, caveat);
+        // What was in the way may have been assumed to be there.
+        let assumed = scenario.robot.assumed_shapes().cloned();
+        verdict.findings.extend(assumed.map(Finding::AssumedShapes));
+        return verdict;
+    };
     let all = Known { scenario, candidates, comparisons, inputs, lead, body };
     let mut verdict = match decision {
         Decision::NothingFeasible => nothing_feasible(candidates, caveat),
@@ -238,6 +244,10 @@ impl Known<'_> {
         let users = self.scenario.paths.iter().find(is_users);
         if users.is_some_and(|p| p.path.time_s.len() < FEWEST_ROWS) {
             tell(Subject::Acceleration, Why::TooFewRows);
+        }
+        if self.lead.path.as_ref().is_some_and(|p| !p.robot_q.is_empty()) {
+            let assumed = self.scenario.robot.assumed_shapes().cloned();
+            found.extend(assumed.map(Finding::AssumedShapes));
         }
         found
     }

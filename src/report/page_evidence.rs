@@ -65,6 +65,10 @@ pub(super) fn assumptions(view: &View) -> Markup {
         (list(&words::setting::worker(&s.worker)))
         h3 { "Robot" }
         (list(&words::robot::facts(&s.robot)))
+        @if !s.meshes.is_empty() {
+            h3 { "Obstacles from meshes" }
+            (list(&s.meshes.iter().map(words::setting::mesh).collect::<Vec<_>>()))
+        }
         h3 { "Limits that are defaults of the program, not of your cell" }
         @if s.assumed_limits.is_empty() { p { "None: the scenario gives all limits." } } @else { (list(&s.assumed_limits)) }
         h3 { "Not modelled" }

@@ -156,8 +156,30 @@
   const FACES = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
     [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]];
 
+  /** Edges at which the triangles of a mesh fold. */
+  function creases(points, faces) {
+    const beside = new Map();
+    const edges = [];
+    for (const face of faces) {
+      const [a, b, c] = face.map((v) => points[v]);
+      const normal = unit(cross([0, 1, 2].map((i) => b[i] - a[i]), [0, 1, 2].map((i) => c[i] - a[i])));
+      face.forEach((v, n) => {
+        const w = face[(n + 1) % 3];
+        const key = v < w ? `${v},${w}` : `${w},${v}`;
+        const other = beside.get(key);
+        if (!other) beside.set(key, normal);
+        else if (Math.abs(other[0] * normal[0] + other[1] * normal[1] + other[2] * normal[2]) < 0.8) edges.push([v, w]);
+      });
+    }
+    return edges;
+  }
+
   /** Points and triangles of an obstacle. */
   function solid(o) {
+    if (o.shape === "mesh") {
+      const points = o.points_mm.map((p) => p.map((v) => v / 1000));
+      return { points, faces: o.triangles, edges: creases(points, o.triangles) };
+    }
     if (o.shape === "box") {
       const half = o.size_m.map((s) => s / 2);
       const points = CORNERS.map((c) => posed(c.map((s, i) => s * half[i]), o.quaternion_wxyz, o.center_m));
@@ -203,8 +225,8 @@
     for (const o of data.obstacles) {
       const { points, faces, edges } = solid(o);
       const from = all.points.length;
-      all.points.push(...points);
-      all.faces.push(...faces.map((f) => f.map((v) => v + from)));
+      for (const p of points) all.points.push(p);
+      for (const f of faces) all.faces.push(f.map((v) => v + from));
       for (const edge of edges) all.edges.push(...edge.map((v) => points[v]), null);
       const middle = [0, 1].map((a) => points.reduce((s, p) => s + p[a], 0) / points.length);
       names.push([...middle, Math.max(...points.map((p) => p[2]))]);

@@ -4,6 +4,7 @@
 use super::clearance::Obstacle;
 use super::collide::random_posture;
 use super::description::{Robot, tips};
+use super::link_shapes::{Known, LinkCapsule};
 use crate::kinematics::{Frames, JointKind, Linkage, LinkageError, Model, Shape};
 use crate::math::{Pose, Vec3};
 use nalgebra::{Matrix3, Matrix6, Matrix6xX};
@@ -41,6 +42,15 @@ pub(super) struct Part {
     pub(super) is_late: bool,
     /// True when it is late and never far from the TCP; set by [`mark_wrist`].
     is_wrist: bool,
+    pub(super) known: Known,
+}
+
+#[cfg(test)]
+impl Part {
+    /// The capsule in the frame of its link.
+    pub(super) fn ends(&self) -> LinkCapsule {
+        (self.a, self.b, self.radius)
+    }
 }
 
 /// A capsule around a link of a robot in some posture.
@@ -70,11 +80,13 @@ pub struct Nearest {
 }
 
 /// The skeleton (tip 0 the TCP, then the frames of the moving joints, then the links with shapes)
-/// and the capsules on it. Links that do not hang below the base are left out.
+/// and the capsules on it: those of simple shapes, and `more` by link. Links that do not hang below the
+/// base are left out.
 pub(super) fn parts(
     model: &Model,
     base: &str,
     tcp: &str,
+    more: &[Vec<(LinkCapsule, Known)>],
 ) -> Result<(Linkage, Vec<Part>), LinkageError> {
     let chain = Linkage::chain(model, base, tcp)?;
     let child = |name: &str| {
@@ -86,12 +98,16 @@ pub(super) fn parts(
     let late: Vec<&str> =
         chain.joints().iter().rev().take(WRIST_JOINTS).map(|j| j.name.as_str()).collect();
     let mut parts = Vec::new();
-    for link in model.links.iter().filter(|l| !l.shapes.is_empty()) {
+    for (link, more) in model.links.iter().zip(more) {
+        if link.shapes.is_empty() && more.is_empty() {
+            continue;
+        }
         let Ok(to_link) = Linkage::chain(model, base, &link.name) else { continue };
-        let own: Vec<(Vec3, Vec3, f64)> = link.shapes.iter().map(|(x, s)| capsule(x, s)).collect();
+        let simple = link.shapes.iter().map(|(x, s)| capsule(x, s));
+        let own: Vec<LinkCapsule> = simple.chain(more.iter().map(|(c, _)| *c)).collect();
         for (i, &(a, b, radius)) in own.iter().enumerate() {
             // The end balls that standard URDF needs are part of the capsule already.
-            let is_end = |&(c, d, r): &(Vec3, Vec3, f64)| {
+            let is_end = |&(c, d, r): &LinkCapsule| {
                 c != d && (r - radius).abs() < 1e-9 && (c - a).norm().min((d - a).norm()) < 1e-6
             };
             if a == b && own.iter().enumerate().any(|(k, other)| k != i && is_end(other)) {
@@ -101,6 +117,8 @@ pub(super) fn parts(
             let (body, parent) = bodies(model, base, &link.name);
             let is_late = to_link.joints().iter().any(|j| late.contains(&j.name.as_str()));
             let is_wrist = false;
+            let more = i.checked_sub(link.shapes.len()).and_then(|i| more.get(i));
+            let known = more.map_or(Known::Given, |(_, known)| *known);
             parts.push(Part {
                 link: name,
                 tip,
@@ -112,6 +130,7 @@ pub(super) fn parts(
                 parent,
                 is_late,
                 is_wrist,
+                known,
             });
         }
         names.push(&link.name);
@@ -300,7 +319,7 @@ pub fn min_clearance(
     let mut best: Option<(f64, &str, &str)> = None;
     for capsule in capsules(robot, q).iter().filter(|c| c.is_moving) {
         for (name, obstacle) in obstacles {
-            let middle = obstacle.signed_distance(&(0.5 * (capsule.a + capsule.b)));
+            let middle = obstacle.least_distance(&(0.5 * (capsule.a + capsule.b)));
             // The signed distance changes by at most the way gone.
             let bound = middle - 0.5 * (capsule.b - capsule.a).norm() - capsule.radius;
             if best.is_some_and(|(d, ..)| bound >= d) {

@@ -3,13 +3,16 @@
 //! Two links are compared when they belong to different rigid bodies that no single joint connects. As
 //! capsules are fatter than links, some of these pairs overlap in (nearly) every posture; they are
 //! found once by sampling the joint ranges, as set-up assistants do, and left out by name. Neighbours but
-//! one that never touch in any sample are kept apart by the joint between them, and left out too.
+//! one that never touch in any sample are kept apart by the joint between them, and left out too. Capsules
+//! that were fitted to meshes are fatter still: what touches at home with one of them, where no real arm touches
+//! itself, is left out by name as well. Assumed capsules are too coarse to be compared with each other at all.
 
 use super::body::{Part, Placer};
 use super::check::RobotMotion;
 use super::clearance::Obstacle;
 use super::description::{Limits, Robot};
 use super::grade::Judge;
+use super::link_shapes::Known;
 use crate::math::Vec3;
 use crate::math::segment::segment_distance;
 use crate::math::stream::{Purpose, stream};
@@ -69,10 +72,13 @@ impl SelfPairs {
         };
         let mut all = Vec::new();
         for i in 0..parts.len() {
-            let others = (i + 1..parts.len()).filter(|&j| !joined(&parts[i], &parts[j]));
+            let is_vague = |j: usize| [i, j].iter().any(|&p| parts[p].known == Known::Assumed);
+            let others =
+                (i + 1..parts.len()).filter(|&j| !joined(&parts[i], &parts[j]) && !is_vague(j));
             all.extend(others.map(|j| (i, j)));
         }
         let touching = touching_shares(robot, &all);
+        let at_home = touching_at_home(robot, &all);
         let near = |a: &Part, b: &Part| {
             let above = |p: &Part| parts.iter().find(|x| x.body == p.parent).map(|x| x.parent);
             (above(a) == Some(b.body) && a.parent != 0)
@@ -81,14 +87,32 @@ impl SelfPairs {
         let is_checked = |&(i, j): &(usize, usize)| {
             let key = (&parts[i].link, &parts[j].link);
             let share = touching.iter().find(|(a, b, _)| (*a, *b) == key).map_or(0.0, |t| t.2);
-            share < ALWAYS && (share > 0.0 || !near(&parts[i], &parts[j]))
+            let is_free = share < ALWAYS && !at_home.contains(&key);
+            is_free && (share > 0.0 || !near(&parts[i], &parts[j]))
         };
-        let left_out = touching.iter().filter(|t| t.2 >= ALWAYS);
+        let is_left_out =
+            |t: &&(&String, &String, f64)| t.2 >= ALWAYS || at_home.contains(&(t.0, t.1));
+        let left_out = touching.iter().filter(is_left_out);
         Self {
             left_out: left_out.map(|(a, b, _)| ((*a).clone(), (*b).clone())).collect(),
             checked: all.iter().copied().filter(is_checked).collect(),
         }
     }
+}
+
+/// The pairs of links that touch at home with a capsule that was fitted.
+fn touching_at_home<'r>(
+    robot: &'r Robot,
+    pairs: &[(usize, usize)],
+) -> Vec<(&'r String, &'r String)> {
+    let mut placer = Placer::new(robot);
+    placer.place(&robot.home);
+    let touches = |&&(i, j): &&(usize, usize)| {
+        (robot.parts[i].known == Known::Fitted || robot.parts[j].known == Known::Fitted)
+            && distance(robot, &placer.ends, (i, j)) <= 0.0
+    };
+    let names = |&(i, j): &(usize, usize)| (&robot.parts[i].link, &robot.parts[j].link);
+    pairs.iter().filter(touches).map(names).collect()
 }
 
 /// For each pair of links the share of sampled postures in which they touch.
@@ -163,7 +187,7 @@ impl Placer<'_> {
             for (k, (_, obstacle)) in obstacles.iter().enumerate().filter(|_| part.is_moving) {
                 let least = best.map_or(below, |b| b.0);
                 // The signed distance changes by at most the way gone.
-                let middle = obstacle.signed_distance(&(0.5 * (a + b)));
+                let middle = obstacle.least_distance(&(0.5 * (a + b)));
                 if middle - 0.5 * (b - a).norm() - part.radius < least {
                     let d = obstacle.distance_to_capsule(a, b, part.radius);
                     if d < least {

@@ -3,6 +3,7 @@
 use super::body::{Part, mark_wrist};
 use super::check::LimitKind;
 use super::collide::SelfPairs;
+use super::link_shapes::{AssumedShapes, LinkShapes, MissingMesh};
 use crate::files::{InputError, read_text, suggest};
 use crate::kinematics::{Linkage, LinkageError, Model, Tip, parse_urdf};
 use crate::math::Pose;
@@ -39,7 +40,7 @@ pub enum Assumed {
 }
 
 /// A remark about a robot's description.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "note", rename_all = "snake_case")]
 pub enum RobotNote {
     /// What was odd about the file, as its reader says.
@@ -47,12 +48,23 @@ pub enum RobotNote {
         /// In a sentence.
         text: String,
     },
-    /// Links without a simple collision shape, which clearance cannot see.
-    Shapeless {
+    /// Links whose capsules were fitted to their meshes, and hold them.
+    FittedCapsules {
         /// Their names.
         links: Vec<String>,
-        /// Collision meshes on them, which are not read.
+        /// Meshes that were read.
         meshes: usize,
+        /// Capsules that were made of them.
+        capsules: usize,
+    },
+    /// Links whose shape is not known, and which stand as capsules of an assumed radius.
+    AssumedCapsules {
+        /// Their names.
+        links: Vec<String>,
+        /// The radius, m.
+        radius_m: f64,
+        /// Meshes that would tell.
+        missing: Vec<MissingMesh>,
     },
 }
 
@@ -130,8 +142,10 @@ pub struct Robot {
     /// Positions of the skeleton's joints that are not between base and TCP.
     pub(super) held: Vec<f64>,
     pub(super) parts: Vec<Part>,
-    /// Collision meshes of the links below the base.
-    pub(super) meshes: usize,
+    /// Links that stand as capsules of an assumed radius.
+    pub(super) assumed_shapes: Option<AssumedShapes>,
+    /// (address, SHA-256) of the meshes to which capsules were fitted.
+    pub(super) meshes: Vec<(String, String)>,
     pub(super) self_pairs: SelfPairs,
     pub(super) file: PathBuf,
 }
@@ -173,7 +187,9 @@ impl Robot {
             .remedy("base is the link that stands still, tcp the tool at the other end"));
         }
         check_limits(path, &linkage)?;
-        let (skeleton, parts) = super::body::parts(&model, base, tcp).map_err(wrong)?;
+        let shapes = LinkShapes::of(path, &model, base, &linkage);
+        let (skeleton, parts) =
+            super::body::parts(&model, base, tcp, &shapes.capsules).map_err(wrong)?;
         let held = skeleton.joints()[linkage.dof()..].iter();
         let held = held.map(|j| 0.0f64.max(j.lower).min(j.upper)).collect();
         let limits = limits_of(&linkage);
@@ -181,9 +197,7 @@ impl Robot {
         let home = (0..linkage.dof()).map(middle).collect();
         let odd = model.warnings.iter().chain(&linkage.warnings).cloned();
         let mut notes: Vec<RobotNote> = odd.map(|text| RobotNote::File { text }).collect();
-        notes.extend(shapeless_note(&model, base, &parts));
-        let below = model.links.iter().filter(|l| Linkage::chain(&model, base, &l.name).is_ok());
-        let meshes = below.map(|l| l.meshes).sum();
+        notes.extend(shapes.notes);
         let mut robot = Self {
             name: model.name.clone(),
             linkage,
@@ -196,7 +210,8 @@ impl Robot {
             skeleton,
             held,
             parts,
-            meshes,
+            assumed_shapes: shapes.assumed,
+            meshes: shapes.files,
             self_pairs: SelfPairs::default(),
             file: path.to_owned(),
         };
@@ -358,21 +373,6 @@ fn limits_of(linkage: &Linkage) -> Limits {
 fn link_names(model: &Model) -> String {
     let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
     format!("its links are: {}", names.join(", "))
-}
-
-/// Which links below the base clearance cannot see, because their shapes are missing or meshes.
-fn shapeless_note(model: &Model, base: &str, parts: &[Part]) -> Option<RobotNote> {
-    let is_bare = |name: &str| !parts.iter().any(|p| p.link == name);
-    // A link without mass is a frame and needs no shape.
-    let bare: Vec<_> = model
-        .links
-        .iter()
-        .filter(|l| l.mass_kg > 0.0 && is_bare(&l.name))
-        .filter(|l| Linkage::chain(model, base, &l.name).is_ok())
-        .collect();
-    let links: Vec<String> = bare.iter().map(|l| l.name.clone()).collect();
-    let meshes = bare.iter().map(|l| l.meshes).sum();
-    (!links.is_empty()).then_some(RobotNote::Shapeless { links, meshes })
 }
 
 /// Tips of the skeleton for these links.

@@ -12,12 +12,13 @@ use super::collide::random_posture;
 use super::description::Robot;
 use super::ease::Ease;
 use super::grade::Judge;
-use super::ik::{Residual, Solver};
+use super::ik::{BEFORE_STOP_M, Residual, Solver};
 use super::refusal::{AtLimit, NoMotion};
 use super::resolve::resolve;
 use super::track::{Track, track, track_eased};
 use crate::kinematics::JointLimit;
 use crate::math::Pose;
+use std::f64::consts::TAU;
 
 /// Postures that differ by less in every joint count as the same start, rad or m.
 const DISTINCT: f64 = 0.3;
@@ -107,6 +108,7 @@ pub fn start_postures(robot: &Robot, pose: &Pose, settings: &FollowSettings) -> 
     for restart in 0..settings.restarts.max(1) {
         let mut q = first_guess(robot, settings.seed, restart);
         let residual = solver.solve(&target, &mut q, COLD_STEPS);
+        to_nearest_turns(robot, &mut q);
         if residual.size() < least {
             least = residual.size();
             (starts.residual_m, starts.residual_rad) = (residual.m, residual.rad);
@@ -125,6 +127,16 @@ pub fn start_postures(robot: &Robot, pose: &Pose, settings: &FollowSettings) -> 
         }
     }
     starts
+}
+
+/// Turns joints without end by whole turns to the values nearest to zero, where people expect them.
+fn to_nearest_turns(robot: &Robot, q: &mut [f64]) {
+    for (i, joint) in robot.linkage.joints().iter().enumerate() {
+        let has_end = robot.limits.lower[i].is_finite() || robot.limits.upper[i].is_finite();
+        if !joint.is_prismatic && !has_end {
+            q[i] -= TAU * (q[i] / TAU).round();
+        }
+    }
 }
 
 /// Home, or a random posture within the limits.
@@ -354,7 +366,9 @@ fn out_of_reach(robot: &Robot, time_s: f64, q: &[f64], left: &Residual) -> NoMot
 fn at_limits(robot: &Robot, q: &[f64]) -> Vec<AtLimit> {
     let of = |(i, joint): (usize, &JointLimit)| {
         let ends = [robot.limits.lower[i], robot.limits.upper[i]].into_iter();
-        let near = ends.filter(move |limit| (q[i] - limit).abs() < AT_LIMIT);
+        // A slide is held a little before its stop.
+        let room = if joint.is_prismatic { BEFORE_STOP_M + AT_LIMIT } else { AT_LIMIT };
+        let near = ends.filter(move |limit| (q[i] - limit).abs() < room);
         let (joint, is_prismatic) = (joint.name.clone(), joint.is_prismatic);
         near.map(move |limit| AtLimit { joint: joint.clone(), limit, is_prismatic })
     };

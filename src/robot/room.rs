@@ -4,21 +4,19 @@ use super::body::Nearest;
 use super::check::{Extreme, RobotMotion};
 use super::collide::{SelfNearest, SelfPairs};
 use super::description::{Assumed, Robot, RobotNote};
+use super::link_shapes::AssumedShapes;
 use serde::{Deserialize, Serialize};
 
 /// Why a distance from the robot's links was not checked. Neither kept nor broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "because", rename_all = "snake_case")]
 pub enum NotChecked {
-    /// The links have meshes only, and these are not read.
-    MeshesOnly {
-        /// Collision meshes of the links.
-        count: usize,
-    },
     /// No link has a collision shape.
     NoShapes,
     /// Too few links have one.
     TooFewShapes,
+    /// The shapes of links are assumed, too coarsely for this.
+    AssumedShapes,
     /// The robot does not follow the path.
     NoMotion,
 }
@@ -43,6 +41,9 @@ pub enum SelfClearance {
     Least {
         /// How near, and which links.
         nearest: SelfNearest,
+        /// Whether links of the robot stand as capsules of an assumed radius.
+        #[serde(default)]
+        is_assumed: bool,
     },
     /// Nobody looked.
     NotChecked {
@@ -59,6 +60,9 @@ pub enum ObstacleClearance {
     Least {
         /// How near, and what meets what.
         nearest: Nearest,
+        /// Whether links of the robot stand as capsules of an assumed radius.
+        #[serde(default)]
+        is_assumed: bool,
     },
     /// No obstacle was given.
     NoObstacle,
@@ -113,6 +117,9 @@ pub struct RobotFacts {
     pub self_check: SelfCheck,
     /// Why distances from its links to obstacles and people cannot be checked; none where they can.
     pub not_checked: Option<NotChecked>,
+    /// Links that are checked as capsules of an assumed radius; none where all shapes are known.
+    #[serde(default)]
+    pub assumed_shapes: Option<AssumedShapes>,
 }
 
 impl RobotMotion {
@@ -133,18 +140,29 @@ impl Robot {
         if self.parts.iter().any(|p| p.is_moving) {
             return None;
         }
-        Some(match (self.parts.is_empty(), self.meshes) {
-            (true, 0) => NotChecked::NoShapes,
-            (false, 0) => NotChecked::TooFewShapes,
-            (_, count) => NotChecked::MeshesOnly { count },
-        })
+        let is_empty = self.parts.is_empty();
+        Some(if is_empty { NotChecked::NoShapes } else { NotChecked::TooFewShapes })
+    }
+
+    /// Links whose shapes are not known, and which are checked as capsules of an assumed radius.
+    pub fn assumed_shapes(&self) -> Option<&AssumedShapes> {
+        self.assumed_shapes.as_ref()
+    }
+
+    /// (address in the URDF, SHA-256) of the meshes to which capsules were fitted.
+    pub fn meshes(&self) -> &[(String, String)] {
+        &self.meshes
     }
 
     /// What of the arm's collision with itself is checked.
     pub fn self_check(&self) -> SelfCheck {
         let SelfPairs { checked, left_out } = &self.self_pairs;
         if checked.is_empty() {
-            let why = self.not_checked().unwrap_or(NotChecked::TooFewShapes);
+            let few = match self.assumed_shapes {
+                Some(_) => NotChecked::AssumedShapes,
+                None => NotChecked::TooFewShapes,
+            };
+            let why = self.not_checked().unwrap_or(few);
             return SelfCheck::NotChecked { why };
         }
         let mut links: Vec<(&str, &str)> = Vec::new();
@@ -164,7 +182,10 @@ impl Robot {
             return SelfClearance::NotChecked { why };
         }
         match motion.and_then(|m| m.self_nearest.as_deref()) {
-            Some(nearest) => SelfClearance::Least { nearest: nearest.clone() },
+            Some(nearest) => SelfClearance::Least {
+                nearest: nearest.clone(),
+                is_assumed: self.assumed_shapes.is_some(),
+            },
             None => SelfClearance::NotChecked { why: NotChecked::NoMotion },
         }
     }
@@ -179,7 +200,10 @@ impl Robot {
             return ObstacleClearance::NoObstacle;
         }
         match motion.and_then(|m| m.obstacle_nearest.as_deref()) {
-            Some(nearest) => ObstacleClearance::Least { nearest: nearest.clone() },
+            Some(nearest) => ObstacleClearance::Least {
+                nearest: nearest.clone(),
+                is_assumed: self.assumed_shapes.is_some(),
+            },
             None => ObstacleClearance::NotChecked {
                 why: self.not_checked().unwrap_or(NotChecked::NoMotion),
             },
@@ -194,12 +218,14 @@ impl Robot {
             notes: self.notes.clone(),
             self_check: self.self_check(),
             not_checked: self.not_checked(),
+            assumed_shapes: self.assumed_shapes.clone(),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::link_shapes::MeshFault;
     use super::*;
     use std::path::Path;
 
@@ -222,13 +248,20 @@ mod tests {
             checked @ SelfCheck::Checked { .. } => panic!("{checked:?}"),
         };
         assert_eq!(why(""), NotChecked::NoShapes);
-        assert_eq!(why(&mesh.repeat(8)), NotChecked::MeshesOnly { count: 8 });
         assert_eq!(why(ball), NotChecked::TooFewShapes);
         // A link that moves has a shape: obstacles can be checked, the arm with itself cannot.
         assert_eq!(two_links(ball).not_checked(), None);
-        let none = two_links(mesh).obstacle_clearance(None, 2);
-        let why = NotChecked::MeshesOnly { count: 1 };
-        assert_eq!(none, ObstacleClearance::NotChecked { why });
-        assert_eq!(two_links(mesh).obstacle_clearance(None, 0), ObstacleClearance::NoObstacle);
+        assert_eq!(two_links(ball).assumed_shapes(), None);
+        let none = two_links("").obstacle_clearance(None, 2);
+        assert_eq!(none, ObstacleClearance::NotChecked { why: NotChecked::NoShapes });
+        assert_eq!(two_links("").obstacle_clearance(None, 0), ObstacleClearance::NoObstacle);
+        // A mesh that is not there is assumed, and said to be.
+        let blind = two_links(&mesh.repeat(8));
+        assert_eq!(blind.not_checked(), None);
+        assert_eq!(blind.assumed_shapes().unwrap().links, ["arm"]);
+        let [RobotNote::AssumedCapsules { missing, .. }] = &blind.notes[1..] else {
+            panic!("{:?}", blind.notes)
+        };
+        assert_eq!((missing.len(), &missing[0].fault), (8, &MeshFault::NotFound));
     }
 }

@@ -3,13 +3,16 @@
 use super::file::{
     BaseFile, Direction, JointLimitFile, LimitsFile, ObstacleFile, RobotFile, WorkspaceFile,
 };
+use super::mesh::ObstacleMesh;
 use super::orientation::{About, Turned};
 use super::plausible::name_fault;
 use super::source::Source;
 use crate::files::InputError;
 use crate::math::{Pose, Vec3};
+use crate::mesh::Polytope;
 use crate::path::{Box3, PathLimits};
 use crate::robot::{Obstacle, Robot};
+use std::sync::Arc;
 use toml::Spanned;
 
 /// Remedy for a name.
@@ -223,10 +226,14 @@ pub(super) fn resolve_person_margin(
     Ok(person)
 }
 
+/// Obstacles by name.
+pub(super) type Named = Vec<(String, Obstacle)>;
+
+/// An obstacle, or the convex parts of one that is a mesh, under one name.
 pub(super) fn resolve_obstacle(
     source: &Source,
     at: &Spanned<ObstacleFile>,
-) -> Result<(String, Obstacle), InputError> {
+) -> Result<(Named, Option<ObstacleMesh>), InputError> {
     let place = |position: &[f64; 3], name: &str| {
         let key = format!("obstacle `{name}`.position_m");
         source.refuse_far(&key, position).map_err(|e| source.at(at, e))?;
@@ -253,12 +260,22 @@ pub(super) fn resolve_obstacle(
         ObstacleFile::Box { name, .. }
         | ObstacleFile::Sphere { name, .. }
         | ObstacleFile::Capsule { name, .. }
-        | ObstacleFile::Cylinder { name, .. } => name,
+        | ObstacleFile::Cylinder { name, .. }
+        | ObstacleFile::Mesh { name, .. } => name,
     };
     if let Some(fault) = name_fault(name) {
         return Err(source.error(at, format!("the name of an obstacle {fault}")).remedy(NAME));
     }
-    Ok(match at.get_ref() {
+    let simple = match at.get_ref() {
+        ObstacleFile::Mesh { name, file, units, position_m, rpy_deg, pointing, x_along } => {
+            let about = About::Said("x_along, where the x axis of the mesh points");
+            let turn = turn(*rpy_deg, [direction(pointing), direction(x_along)], about, name)?;
+            let origin = place(&position_m.unwrap_or_default(), name)?;
+            let pose = Pose::from_parts(origin.into(), turn);
+            let mesh = ObstacleMesh::read(source, at, (name, file), (*units, &pose))?;
+            let part = |p: &Polytope| (name.clone(), Obstacle::Hull(Arc::new(p.clone())));
+            return Ok((mesh.parts.iter().map(part).collect(), Some(mesh)));
+        }
         ObstacleFile::Box { name, position_m, rpy_deg, pointing, x_along, size_m } => {
             positive(size_m, name)?;
             let about = About::Said("x_along, where the box's x axis points");
@@ -283,5 +300,6 @@ pub(super) fn resolve_obstacle(
             let pose = Pose::from_parts(place(position_m, name)?.into(), turn);
             (name.clone(), Obstacle::Cylinder { pose, radius: *radius_m, length: *length_m })
         }
-    })
+    };
+    Ok((vec![simple], None))
 }

@@ -2,11 +2,13 @@
 
 use super::SCENARIO_SCHEMA;
 use super::cell::{
-    NAME, PersonMargin, resolve_limits, resolve_obstacle, resolve_person_margin, resolve_robot,
+    NAME, Named, PersonMargin, resolve_limits, resolve_obstacle, resolve_person_margin,
+    resolve_robot,
 };
 use super::file::{ObstacleFile, PathFile, ScenarioFile, TaskFile};
 use super::freedom::{Freedom, Freedoms, resolve_free};
 use super::held::{Held, SecondHand};
+use super::mesh::ObstacleMesh;
 use super::paths::{UserPath, read_user_path};
 use super::plausible::{self, Doubt, LONGEST_S, name_fault, path_name_fault};
 use super::source::Source;
@@ -76,6 +78,8 @@ pub struct Scenario {
     pub assumed_limits: Vec<String>,
     /// What the robot must not touch.
     pub obstacles: Vec<(String, Obstacle)>,
+    /// Those of them that are meshes; of each, the parts stand in `obstacles` under its name.
+    pub meshes: Vec<ObstacleMesh>,
     /// Load, repetition, coupling.
     pub task: Task,
     /// The designer's own recorded paths.
@@ -118,7 +122,7 @@ pub(super) fn resolve(
     if task.part_mass_kg > 0.0 && file.task.human_load_share.is_none() {
         warnings.push(Warning::WholeLoad { mass_kg: task.part_mass_kg });
     }
-    let obstacles = resolve_obstacles(source, &file.obstacle)?;
+    let (obstacles, meshes) = resolve_obstacles(source, &file.obstacle)?;
     let doubtful = |doubt: Doubt| Warning::Doubtful { path: None, doubt };
     warnings.extend(source.doubts.take().into_iter().map(doubtful));
     warnings.extend(paths.iter().flat_map(UserPath::warnings));
@@ -141,6 +145,7 @@ pub(super) fn resolve(
         person_margin,
         assumed_limits,
         obstacles,
+        meshes,
         task,
         paths,
         drawn: drawn_paths,
@@ -334,17 +339,20 @@ fn resolve_paths(
 fn resolve_obstacles(
     source: &Source,
     entries: &[Spanned<ObstacleFile>],
-) -> Result<Vec<(String, Obstacle)>, InputError> {
-    let mut all: Vec<(String, Obstacle)> = Vec::new();
+) -> Result<(Named, Vec<ObstacleMesh>), InputError> {
+    let mut all = Named::new();
+    let mut meshes = Vec::new();
     for entry in entries {
-        let (name, obstacle) = resolve_obstacle(source, entry)?;
-        if all.iter().any(|(n, _)| *n == name) {
+        let (own, mesh) = resolve_obstacle(source, entry)?;
+        if let Some((name, _)) = own.first().filter(|(name, _)| all.iter().any(|(n, _)| n == name))
+        {
             let message = format!("there are two obstacles named `{name}`");
             return Err(source.error(entry, message).remedy("rename one of them"));
         }
-        all.push((name, obstacle));
+        all.extend(own);
+        meshes.extend(mesh);
     }
-    Ok(all)
+    Ok((all, meshes))
 }
 
 fn resolve_task(

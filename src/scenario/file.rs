@@ -553,6 +553,40 @@ pub(super) enum ObstacleFile {
         /// Whole length, m.
         length_m: f64,
     },
+    /// A mesh from CAD; convex parts that hold it are what the robot must not touch.
+    Mesh {
+        /// Name in reports.
+        name: String,
+        /// STL, glTF (`.gltf`, `.glb`) or OBJ file.
+        file: String,
+        /// Unit of its numbers: needed for STL and OBJ; glTF is in metres.
+        units: Option<MeshUnits>,
+        /// Where the origin of the mesh is: x, y, z, world, m; default 0, 0, 0.
+        position_m: Option<[f64; 3]>,
+        /// Roll, pitch, yaw about fixed axes, deg.
+        rpy_deg: Option<[f64; 3]>,
+        /// Orientation instead of `rpy_deg`: where the z axis of the mesh points.
+        pointing: Option<[f64; 3]>,
+        /// With `pointing`: where the x axis of the mesh points.
+        x_along: Option<[f64; 3]>,
+    },
+}
+
+/// Unit of the numbers of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum MeshUnits {
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetres,
+    /// Centimetres.
+    #[serde(rename = "cm")]
+    Centimetres,
+    /// Metres.
+    #[serde(rename = "m")]
+    Metres,
+    /// Inches.
+    #[serde(rename = "in")]
+    Inches,
 }
 
 /// Load, repetition and hold: what no path shows.

@@ -30,6 +30,9 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
             percent(*share)
         ),
         Finding::NotChecked { subject, why } => not_checked(*subject, *why),
+        Finding::AssumedShapes(shapes) => {
+            format!("The robot's real shape is not checked: {}.", robot::assumed_shapes(shapes))
+        }
         Finding::OutOfReach { body, share, from_s } => format!(
             "For {body}, the hand cannot follow in {} of the repetitions (first at {from_s:.2} s); from then on \
              they count as the worst score.",

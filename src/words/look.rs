@@ -2,7 +2,7 @@
 
 use super::number::percent;
 use super::path::face;
-use super::robot::no_motion;
+use super::robot::{self, no_motion};
 use crate::planner::{CellFinding, CellLook};
 
 /// A finding in one sentence.
@@ -33,8 +33,11 @@ pub fn sentence(finding: &CellFinding) -> String {
         ),
         CellFinding::ObstaclesUnchecked => {
             "distances between robot and obstacles are not checked: the robot's description has no \
-             simple collision shapes"
+             collision shapes"
                 .to_owned()
+        }
+        CellFinding::AssumedShapes(shapes) => {
+            format!("the robot's real shape is not checked: {}", robot::assumed_shapes(shapes))
         }
         CellFinding::RobotStopped(why, at) => {
             format!(

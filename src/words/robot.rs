@@ -4,8 +4,9 @@ use super::number::percent;
 use super::path::joint_limit;
 use crate::planner::PersonClearance;
 use crate::robot::{
-    Assumed, AtLimit, JointMargin, LimitKind, NoMotion, NotChecked, ObstacleClearance, RobotFacts,
-    RobotMargins, RobotNote, SelfCheck, SelfClearance, Violation,
+    Assumed, AssumedShapes, AtLimit, JointMargin, LimitKind, MeshFault, MissingMesh, NoMotion,
+    NotChecked, ObstacleClearance, RobotFacts, RobotMargins, RobotNote, SelfCheck, SelfClearance,
+    Violation,
 };
 
 /// Links named in a note before it says "and more".
@@ -119,27 +120,43 @@ pub fn margins(found: &RobotMargins) -> Vec<String> {
 /// Why nothing was checked.
 pub fn not_checked(why: NotChecked) -> String {
     match why {
-        NotChecked::MeshesOnly { count: 1 } => {
-            "the robot's only collision shape is a mesh, which ergopath does not read".to_owned()
-        }
-        NotChecked::MeshesOnly { count } => {
-            format!("the robot's collision shapes are {count} meshes, which ergopath does not read")
-        }
         NotChecked::NoShapes => "the robot has no collision shapes".to_owned(),
         NotChecked::TooFewShapes => "too few of the robot's links have collision shapes".to_owned(),
+        NotChecked::AssumedShapes => {
+            "the shapes of the robot's links are assumed, too coarsely for that".to_owned()
+        }
         NotChecked::NoMotion => "the robot does not follow the path".to_owned(),
     }
+}
+
+/// Behind a distance: what stood for the links.
+fn against(is_assumed: bool) -> &'static str {
+    if is_assumed { ", against assumed capsules" } else { "" }
+}
+
+/// Links whose shapes are not known, and what stands for them.
+pub fn assumed_shapes(shapes: &AssumedShapes) -> String {
+    let AssumedShapes { links, radius_m } = shapes;
+    let what = match &links[..] {
+        [one] => format!("the shape of link `{one}` is not known"),
+        many => format!("the shapes of {} links are not known", many.len()),
+    };
+    format!(
+        "{what}; assumed capsules, {:.0} mm about the lines from joint to joint, were checked instead",
+        1e3 * radius_m
+    )
 }
 
 /// How near the arm comes to itself.
 pub fn self_clearance(found: &SelfClearance) -> String {
     match found {
-        SelfClearance::Least { nearest } => format!(
-            "smallest distance of the arm to itself {:.0} mm (links `{}` and `{}` at {:.2} s)",
+        SelfClearance::Least { nearest, is_assumed } => format!(
+            "smallest distance of the arm to itself {:.0} mm (links `{}` and `{}` at {:.2} s{})",
             1e3 * nearest.distance_m,
             nearest.links[0],
             nearest.links[1],
-            nearest.time_s
+            nearest.time_s,
+            against(*is_assumed)
         ),
         SelfClearance::NotChecked { why } => {
             format!("collision of the arm with itself: not checked: {}", not_checked(*why))
@@ -150,11 +167,12 @@ pub fn self_clearance(found: &SelfClearance) -> String {
 /// How near the arm comes to obstacles.
 pub fn obstacle_clearance(found: &ObstacleClearance) -> String {
     match found {
-        ObstacleClearance::Least { nearest } => format!(
-            "smallest clearance to an obstacle {:.0} mm (link `{}` and obstacle `{}`)",
+        ObstacleClearance::Least { nearest, is_assumed } => format!(
+            "smallest clearance to an obstacle {:.0} mm (link `{}` and obstacle `{}`{})",
             1e3 * nearest.distance_m,
             nearest.link,
-            nearest.obstacle
+            nearest.obstacle,
+            against(*is_assumed)
         ),
         ObstacleClearance::NoObstacle => {
             "no obstacle was given, so no clearance was checked".to_owned()
@@ -191,7 +209,9 @@ pub fn self_check(check: &SelfCheck) -> String {
                 String::new()
             } else {
                 let names = names.join(", ");
-                format!("; left out because their capsules touch in nearly every posture: {names}")
+                format!(
+                    "; left out because their capsules touch in nearly every posture or at home: {names}"
+                )
             };
             format!("collision of the arm with itself: {pairs} pairs of links checked{rest}")
         }
@@ -216,19 +236,57 @@ pub fn assumed(what: &Assumed) -> String {
 pub fn note(note: &RobotNote) -> String {
     match note {
         RobotNote::File { text } => text.clone(),
-        RobotNote::Shapeless { links, meshes } => {
-            let named = links.iter().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>();
-            let rest = match links.len().saturating_sub(MOST_NAMED) {
-                0 => String::new(),
-                more => format!(" and {more} more"),
+        RobotNote::FittedCapsules { links, meshes, capsules } => format!(
+            "{} fitted to {}, which they hold, for the links {}",
+            counted(*capsules, "capsule"),
+            counted(*meshes, "mesh"),
+            some(links)
+        ),
+        RobotNote::AssumedCapsules { links, radius_m, missing } => {
+            let why = match &missing[..] {
+                [] => "no shape is given".to_owned(),
+                [first, ..] => {
+                    let count = counted(missing.len(), "mesh");
+                    format!("{count} cannot be used ({})", mesh_fault(first))
+                }
             };
-            let why = match meshes {
-                0 => "no collision shape".to_owned(),
-                1 => "no simple collision shape (1 mesh is not read)".to_owned(),
-                n => format!("no simple collision shape ({n} meshes are not read)"),
-            };
-            format!("{why}, so left out of clearance: {}{rest}", named.join(", "))
+            format!(
+                "assumed capsules, {:.0} mm about the lines from joint to joint, for the links {}: {why}",
+                1e3 * radius_m,
+                some(links)
+            )
         }
+    }
+}
+
+/// Why a mesh cannot be used.
+fn mesh_fault(mesh: &MissingMesh) -> String {
+    let file = &mesh.file;
+    match &mesh.fault {
+        MeshFault::NotFound => {
+            format!("`{file}` is not found; put its package beside the URDF or in a folder above")
+        }
+        MeshFault::Unreadable { message } => format!("`{file}` {message}"),
+        MeshFault::TooLarge { longest_m } => format!(
+            "`{file}` would be {longest_m} m long; in millimetres it needs scale=\"0.001 0.001 0.001\""
+        ),
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match (count, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "mesh") => format!("{count} meshes"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+/// The first of some names.
+fn some(names: &[String]) -> String {
+    let shown = names.iter().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST_NAMED) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
     }
 }
 
@@ -237,6 +295,7 @@ pub fn facts(robot: &RobotFacts) -> Vec<String> {
     let mut lines = vec![robot.name.clone()];
     lines.extend(robot.assumed.iter().map(|a| format!("assumed: {}", assumed(a))));
     lines.extend(robot.notes.iter().map(note));
+    lines.extend(robot.assumed_shapes.iter().map(assumed_shapes));
     lines.push(self_check(&robot.self_check));
     lines
 }
@@ -248,11 +307,10 @@ mod tests {
 
     #[test]
     fn what_was_not_checked_says_why() {
-        let why = NotChecked::MeshesOnly { count: 8 };
+        let why = NotChecked::TooFewShapes;
         assert_eq!(
             self_clearance(&SelfClearance::NotChecked { why }),
-            "collision of the arm with itself: not checked: the robot's collision shapes are 8 meshes, \
-             which ergopath does not read"
+            "collision of the arm with itself: not checked: too few of the robot's links have collision shapes"
         );
         let none = obstacle_clearance(&ObstacleClearance::NotChecked { why: NotChecked::NoShapes });
         assert_eq!(
@@ -262,8 +320,13 @@ mod tests {
         let links = ["one", "two"].map(str::to_owned);
         let nearest = SelfNearest { distance_m: 0.0312, links, time_s: 1.5 };
         assert_eq!(
-            self_clearance(&SelfClearance::Least { nearest }),
+            self_clearance(&SelfClearance::Least { nearest: nearest.clone(), is_assumed: false }),
             "smallest distance of the arm to itself 31 mm (links `one` and `two` at 1.50 s)"
+        );
+        assert_eq!(
+            self_clearance(&SelfClearance::Least { nearest, is_assumed: true }),
+            "smallest distance of the arm to itself 31 mm (links `one` and `two` at 1.50 s, against assumed \
+             capsules)"
         );
     }
 

@@ -3,7 +3,7 @@
 use crate::human::{BodySize, Hands, Sex, Stance};
 use crate::planner::{BodyFacts, ModelSummary, NotModelled, Setting, StartKind, WorkerFacts};
 use crate::posture::Hold;
-use crate::scenario::{Adaptation, EndMismatch, Warning};
+use crate::scenario::{Adaptation, EndMismatch, MeshFacts, Warning};
 
 /// A body with its size.
 pub fn body(b: &BodyFacts) -> String {
@@ -38,6 +38,22 @@ pub fn size(s: &BodySize) -> String {
 /// All bodies of a cell, a line each.
 pub fn bodies(s: &Setting) -> Vec<String> {
     s.bodies.iter().map(body).collect()
+}
+
+/// An obstacle that is a mesh, and what stands for it.
+pub fn mesh(m: &MeshFacts) -> String {
+    let parts = match m.parts {
+        1 => "one convex body holds it and stands".to_owned(),
+        n => format!("{n} convex parts hold it and stand"),
+    };
+    format!(
+        "obstacle `{}` from {} ({} triangles, in {}): {parts} out by at most {:.0} mm",
+        m.name,
+        m.file,
+        m.triangles,
+        m.units.symbol(),
+        (1e3 * m.stands_out_m).ceil()
+    )
 }
 
 /// Who works where and how, a line each.

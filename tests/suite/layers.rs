@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: &[&[&str]] = &[
     &["math", "skips"],
     &["qp", "trajectory", "files"],
-    &["kinematics"],
+    &["kinematics", "mesh"],
     &["human", "robot", "ergonomics"],
     &["posture", "path", "recording", "survey"],
     &["scenario", "training"],

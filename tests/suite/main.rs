@@ -29,6 +29,7 @@ mod inputs_cli;
 #[cfg(feature = "peers")]
 mod kinematics_peer;
 mod layers;
+mod mesh_cli;
 mod moved_worlds;
 mod new_cli;
 #[cfg(unix)]

@@ -114,7 +114,7 @@ fn an_obstacle_without_a_way_is_named_with_how_much_smaller_it_would_have_to_be(
     assert_kept(&within(&reference, &slimmer, &scene), &reference, &slimmer, &scene);
     // A goal inside is told by itself.
     let inside = Obstacle::Sphere { center: Vec3::new(0.5, 0.2, 1.03), radius: 0.05 };
-    let obstacles = [("ball".to_owned(), inside)];
+    let obstacles = [("ball".to_owned(), inside.clone())];
     let scene = Scene { obstacles: &obstacles, ..Scene::default() };
     let (why, changes) = refused(within(&named(0, 0.4, 5.0), &limits, &scene));
     assert_eq!(why.cause(), Cause::Obstacle);

@@ -236,3 +236,57 @@ fn an_arm_keeps_off_an_obstacle_that_another_motion_avoids() {
     let near = motion.obstacle_nearest.unwrap();
     assert!(near.distance_m > 0.0, "{near:?}");
 }
+
+/// An arm on a rail across the way, which it uses up.
+fn on_a_rail() -> Robot {
+    let rail = r#"<link name="rail"/><joint name="slide" type="prismatic"><parent link="rail"/>
+        <child link="base_link"/><axis xyz="0 1 0"/>
+        <limit lower="-0.2" upper="0.2" velocity="0.5" effort="1"/></joint></robot>"#;
+    let text = include_str!("../../../models/robot/ur10e.urdf").replace("</robot>", rail);
+    let mut robot =
+        Robot::from_text(std::path::Path::new("rail.urdf"), &text, "rail", "tool0").unwrap();
+    robot.home[1..].copy_from_slice(&Robot::preset("ur10e").unwrap().home);
+    robot
+}
+
+#[test]
+fn a_slide_stays_in_its_range_between_the_knots() {
+    let robot = on_a_rail();
+    let start = tcp_pose(&robot, &robot.home);
+    let at = |share: f64| {
+        let mut pose = start;
+        pose.translation.vector.y += 0.7 * share;
+        pose
+    };
+    let share = |t: f64| min_jerk(t / 5.0);
+    let time: Vec<f64> = (0..=60).map(|k| f64::from(k) / 12.0).collect();
+    let poses: Vec<Pose> = time.iter().map(|t| at(share(*t))).collect();
+    let found = follow(&robot, &time, &poses, &FollowSettings::default());
+    let Follow::Feasible(motion) = found else { panic!("{found:?}") };
+    let farthest = motion.q.iter().map(|q| q[0].abs()).fold(0.0, f64::max);
+    assert!(farthest > 0.15, "the rail is used: {farthest}");
+    let wanted = |t: f64| at(share(t));
+    let between = super::super::between(&robot, &time, &motion.q, 10, wanted).unwrap();
+    assert!(between.range.value <= 0.0, "{between:?}");
+}
+
+#[test]
+fn joints_without_end_start_in_the_turn_nearest_to_zero() {
+    let Some(file) = crate::skips::shared("models/robots/kinova.urdf") else { return };
+    let (base, tcp) = ("j2s6s200_link_base", "j2s6s200_end_effector");
+    let robot = Robot::from_urdf(&file, base, tcp).unwrap();
+    let endless: Vec<usize> =
+        (0..robot.dof()).filter(|&i| robot.limits.upper[i].is_infinite()).collect();
+    assert!(!endless.is_empty());
+    let mut seen = 0;
+    for sample in 0..20 {
+        let q = random_posture(&robot.limits, 7, 0, sample);
+        let starts = start_postures(&robot, &tcp_pose(&robot, &q), &FollowSettings::default());
+        for posture in &starts.postures {
+            seen += 1;
+            let most = endless.iter().map(|&i| posture[i].abs()).fold(0.0, f64::max);
+            assert!(most <= std::f64::consts::PI + 1e-9, "{posture:?}");
+        }
+    }
+    assert!(seen > 20);
+}
