@@ -26,8 +26,8 @@ fn places(urdf: &Path, address: &str) -> Vec<PathBuf> {
     }
     // As xacro leaves it in a description that was expanded in part: file://$(find NAME)/rest.
     let plain = address.strip_prefix("file://").unwrap_or(address);
-    if let Some((name, rest)) = plain.strip_prefix("$(find ").and_then(|r| r.split_once(')')) {
-        return from_package(folder, &format!("{name}{rest}"));
+    if let Some((name, rest)) = plain.strip_prefix("$(find").and_then(|r| r.split_once(')')) {
+        return from_package(folder, &format!("{}{rest}", name.trim_start()));
     }
     if plain.contains("://") {
         return Vec::new();

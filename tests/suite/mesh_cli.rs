@@ -218,7 +218,7 @@ fn a_robot_without_its_meshes_is_never_said_to_be_clear() {
     assert!(said.contains("the robot's real shape is not checked"), "{said}");
     assert!(
         said.contains(
-            "assumed capsules, 89 mm about the lines from joint to joint, were checked instead"
+            "assumed capsules, 81 mm about the lines from joint to joint, were checked instead"
         ),
         "{said}"
     );
