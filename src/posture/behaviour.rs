@@ -165,7 +165,7 @@ impl<'a> Way<'a> {
         let drawn = |(r, found): (usize, Option<Arc<[FunctionDraw]>>)| {
             found.unwrap_or_else(|| {
                 let mut rng = stream(seed, Purpose::Posture, FUNCTION_BLOCK + block, r as u32);
-                self.sampler.functions(&mut rng).into()
+                self.sampler.functions(&mut rng)
             })
         };
         let is_new = found.iter().any(Option::is_none);
@@ -237,13 +237,13 @@ impl Behaviour for Modelled<'_> {
         numbers: Range<usize>,
     ) -> Vec<Option<usize>> {
         let Some(mixture) = mixture else { return vec![None; numbers.len()] };
-        let levels = match self.postures().population.filter(|_| self.persons < usize::MAX) {
-            Some(population) => population.levels((seed, block), self.persons, numbers),
+        let population = self.postures().population.filter(|_| self.persons < usize::MAX);
+        let levels: Vec<f64> = if let Some(population) = population {
+            population.levels((seed, block), self.persons, numbers)
+        } else {
             // Spread evenly, whatever the number of repetitions.
-            None => {
-                let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
-                numbers.map(|r| (from + GOLDEN * r as f64).fract()).collect()
-            }
+            let from: f64 = stream(seed, Purpose::Posture, MODE_BLOCK + block, 0).random();
+            numbers.map(|r| (from + GOLDEN * r as f64).fract()).collect()
         };
         levels.into_iter().map(|level| Some(mixture.mode_at(level))).collect()
     }
