@@ -124,11 +124,11 @@ impl Body {
         }
         let size = parsed.size.check().map_err(|e| InputError::new(sheet_path, e))?;
         // It becomes part of the names of files.
-        let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
+        let is_plain = |c: char| c.is_alphanumeric() || "-_. (),+".contains(c);
         if parsed.name.is_empty() || parsed.name.len() > 80 || !parsed.name.chars().all(is_plain) {
             let message = format!("name {:?} is not plain", parsed.name);
             return Err(InputError::new(sheet_path, message)
-                .remedy("use letters, digits, spaces, dots, - and _, 80 at most"));
+                .remedy("use letters, digits, spaces and .,()+-_ only, 80 characters at most"));
         }
         for length in [parsed.standing_pelvis_height_m, parsed.seat_to_hip_m, parsed.hand_length_m]
         {

@@ -190,9 +190,12 @@ fn the_controls_change_the_picture(page: &Session) {
     let mut views = vec![alone];
     for view in ["side", "front", "top", "free"] {
         page.click(&format!("[data-view={view}]"));
+        // A scene that is drawn by the processor takes longer than a click.
+        page.run("await new Promise((r) => setTimeout(r, 500))");
         views.push(page.picture("#scene-plot"));
         let [.., before, now] = &views[..] else { unreachable!() };
-        assert!(before.difference(now) > 0.01, "{view}");
+        let difference = before.difference(now);
+        assert!(difference > 0.01, "{view}: {difference}");
     }
     page.run("document.getElementById('scene-plot').focus()");
     page.press("ArrowRight");
