@@ -5,7 +5,7 @@
 //! found once by sampling the joint ranges, as set-up assistants do, and left out by name. Neighbours but
 //! one that never touch in any sample are kept apart by the joint between them, and left out too. Capsules
 //! that were fitted to meshes are fatter still: what touches at home with one of them, where no real arm touches
-//! itself, is left out by name as well, and so are neighbours but one that touch in half of all samples. Assumed capsules are too coarse to be compared with each other at all.
+//! itself, is left out by name as well. Assumed capsules are too coarse to be compared with each other at all.
 
 use super::body::{Part, Placer};
 use super::check::RobotMotion;
@@ -24,8 +24,6 @@ use std::f64::consts::PI;
 /// touching always.
 const SAMPLES: u32 = 500;
 const ALWAYS: f64 = 0.95;
-/// The same share for neighbours but one of which one has a fitted capsule.
-const MOSTLY: f64 = 0.5;
 /// Block of random numbers, away from those of the start postures.
 const BLOCK: u32 = 1 << 20;
 
@@ -80,40 +78,26 @@ impl SelfPairs {
             all.extend(others.map(|j| (i, j)));
         }
         let touching = touching_shares(robot, &all);
-        let share_of = |key: (&String, &String)| {
-            touching.iter().find(|(a, b, _)| (*a, *b) == key).map_or(0.0, |t| t.2)
-        };
+        let at_home = touching_at_home(robot, &all);
         let near = |a: &Part, b: &Part| {
             let above = |p: &Part| parts.iter().find(|x| x.body == p.parent).map(|x| x.parent);
             (above(a) == Some(b.body) && a.parent != 0)
                 || (above(b) == Some(a.body) && b.parent != 0)
         };
-        let names = |&(i, j): &(usize, usize)| (&parts[i].link, &parts[j].link);
-        let mut too_fat = touching_at_home(robot, &all);
-        too_fat.extend(all.iter().filter(|&&(i, j)| is_fitted(&parts[i], &parts[j])).filter_map(
-            |pair| {
-                let is_near = near(&parts[pair.0], &parts[pair.1]);
-                (is_near && share_of(names(pair)) >= MOSTLY).then(|| names(pair))
-            },
-        ));
-        let is_checked = |pair: &(usize, usize)| {
-            let share = share_of(names(pair));
-            let is_free = share < ALWAYS && !too_fat.contains(&names(pair));
-            is_free && (share > 0.0 || !near(&parts[pair.0], &parts[pair.1]))
+        let is_checked = |&(i, j): &(usize, usize)| {
+            let key = (&parts[i].link, &parts[j].link);
+            let share = touching.iter().find(|(a, b, _)| (*a, *b) == key).map_or(0.0, |t| t.2);
+            let is_free = share < ALWAYS && !at_home.contains(&key);
+            is_free && (share > 0.0 || !near(&parts[i], &parts[j]))
         };
         let is_left_out =
-            |t: &&(&String, &String, f64)| t.2 >= ALWAYS || too_fat.contains(&(t.0, t.1));
+            |t: &&(&String, &String, f64)| t.2 >= ALWAYS || at_home.contains(&(t.0, t.1));
         let left_out = touching.iter().filter(is_left_out);
         Self {
             left_out: left_out.map(|(a, b, _)| ((*a).clone(), (*b).clone())).collect(),
             checked: all.iter().copied().filter(is_checked).collect(),
         }
     }
-}
-
-/// Whether one of two parts is fitted to a mesh, so fatter than the link.
-fn is_fitted(a: &Part, b: &Part) -> bool {
-    a.known == Known::Fitted || b.known == Known::Fitted
 }
 
 /// The pairs of links that touch at home with a capsule that was fitted.
@@ -124,7 +108,8 @@ fn touching_at_home<'r>(
     let mut placer = Placer::new(robot);
     placer.place(&robot.home);
     let touches = |&&(i, j): &&(usize, usize)| {
-        is_fitted(&robot.parts[i], &robot.parts[j]) && distance(robot, &placer.ends, (i, j)) <= 0.0
+        (robot.parts[i].known == Known::Fitted || robot.parts[j].known == Known::Fitted)
+            && distance(robot, &placer.ends, (i, j)) <= 0.0
     };
     let names = |&(i, j): &(usize, usize)| (&robot.parts[i].link, &robot.parts[j].link);
     pairs.iter().filter(touches).map(names).collect()
