@@ -2,9 +2,11 @@
 
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of these")]
 
+use crate::skips::shared;
 use assert_cmd::Command;
 use ergopath::posture::{load_model, save_model};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -87,4 +89,30 @@ pub fn assert_refused(command: &mut Command, words: &str) {
     let flat = shown.replace(['\n', '│'], " ");
     let flat = flat.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(flat.contains(words), "`{words}` is missing in:\n{shown}");
+}
+
+/// A people file of some people of the shared recordings, with so many deposits and high grabs of each; none without
+/// the recordings.
+pub fn people_file(names: &[&str], takes: [usize; 2], folder: &Path) -> Option<PathBuf> {
+    let recordings = shared("recordings/hdm05")?;
+    let first = |name: &str, task: &str, count: usize| {
+        let mut found: Vec<String> = std::fs::read_dir(&recordings)
+            .unwrap()
+            .map(|e| e.unwrap().path().display().to_string())
+            .filter(|p| p.contains(&format!("HDM_{name}_{task}")))
+            .collect();
+        found.sort();
+        found.truncate(count);
+        found
+    };
+    let mut text = String::from("schema = \"ergopath/people/1\"\n");
+    for name in names {
+        let [deposits, grabs] = takes;
+        let own =
+            [first(name, "depositFloorR", deposits), first(name, "grabHighR", grabs)].concat();
+        write!(text, "[[person]]\nname = \"{name}\"\nrecordings = {own:?}\n").unwrap();
+    }
+    let path = folder.join("people.toml");
+    std::fs::write(&path, text).unwrap();
+    Some(path)
 }

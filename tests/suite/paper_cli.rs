@@ -1,33 +1,7 @@
 //! `ergopath experiment exp1`, `exp2` and `exp3` from outside: simulated people, and recorded ones.
 
-use crate::common::{assert_refused, ergopath};
-use crate::skips::shared;
+use crate::common::{assert_refused, ergopath, people_file};
 use serde_json::Value;
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-
-/// A people file of some people of the shared recordings with some takes of two tasks; none without them.
-fn people(names: &[&str], takes: usize, folder: &Path) -> Option<PathBuf> {
-    let recordings = shared("recordings/hdm05")?;
-    let first = |name: &str, task: &str| {
-        let mut found: Vec<String> = std::fs::read_dir(&recordings)
-            .unwrap()
-            .map(|e| e.unwrap().path().display().to_string())
-            .filter(|p| p.contains(&format!("HDM_{name}_{task}")))
-            .collect();
-        found.sort();
-        found.truncate(takes);
-        found
-    };
-    let mut text = String::from("schema = \"ergopath/people/1\"\n");
-    for name in names {
-        let own = [first(name, "depositFloorR"), first(name, "grabHighR")].concat();
-        write!(text, "[[person]]\nname = \"{name}\"\nrecordings = {own:?}\n").unwrap();
-    }
-    let path = folder.join("people.toml");
-    std::fs::write(&path, text).unwrap();
-    Some(path)
-}
 
 fn run(args: &[&str]) -> Value {
     let run = ergopath().arg("experiment").args(args).arg("--json").assert().code(0);
@@ -95,7 +69,7 @@ fn the_terminal_says_who_taught_and_that_nobody_was_recorded() {
 #[test]
 fn recorded_people_repeat_the_papers_experiments() {
     let room = tempfile::tempdir().unwrap();
-    let Some(file) = people(&["bk", "tr"], 4, room.path()) else { return };
+    let Some(file) = people_file(&["bk", "tr"], [4, 4], room.path()) else { return };
     let file = file.to_str().unwrap();
     let with = |experiment: &str| {
         let few = ["--methods", "plain-ik,full-w", "--bands", "none", "--chain", "arm"];
@@ -126,7 +100,7 @@ fn what_does_not_make_an_experiment_is_refused() {
     refuse(&["exp1", "--methods", "ful-w"], "there is no method `ful-w`");
     refuse(&["exp3", "--operators", "1", "--chain", "whole"], "do not all hold both legs");
     let room = tempfile::tempdir().unwrap();
-    let Some(file) = people(&["bk"], 2, room.path()) else { return };
+    let Some(file) = people_file(&["bk"], [2, 2], room.path()) else { return };
     let file = file.to_str().unwrap();
     refuse(&["exp1", "--recordings", file], "nobody repeated a task 4 times");
     refuse(&["exp3", "--recordings", file], "no two people did the same task");

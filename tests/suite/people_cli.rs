@@ -1,39 +1,15 @@
 //! Several people from outside: `ergopath train` and `validate` of a people file.
 
-use crate::common::{assert_refused, ergopath};
+use crate::common::{assert_refused, ergopath, people_file};
 use crate::skips::shared;
 use ergopath::posture::load_model;
 use serde_json::Value;
-use std::fmt::Write as _;
 use std::path::Path;
-
-/// A people file of some people of the shared recordings with three movements each; none without them.
-fn people(names: &[&str], folder: &Path) -> Option<std::path::PathBuf> {
-    let recordings = shared("recordings/hdm05")?;
-    let first = |name: &str, task: &str, count: usize| {
-        let mut found: Vec<String> = std::fs::read_dir(&recordings)
-            .unwrap()
-            .map(|e| e.unwrap().path().display().to_string())
-            .filter(|p| p.contains(&format!("HDM_{name}_{task}")))
-            .collect();
-        found.sort();
-        found.truncate(count);
-        found
-    };
-    let mut text = String::from("schema = \"ergopath/people/1\"\n");
-    for name in names {
-        let own = [first(name, "depositFloorR", 2), first(name, "grabHighR", 1)].concat();
-        write!(text, "[[person]]\nname = \"{name}\"\nrecordings = {own:?}\n").unwrap();
-    }
-    let path = folder.join("people.toml");
-    std::fs::write(&path, text).unwrap();
-    Some(path)
-}
 
 #[test]
 fn recorded_people_teach_a_whole_person_and_are_predicted() {
     let room = tempfile::tempdir().unwrap();
-    let Some(file) = people(&["bk", "mm", "tr"], room.path()) else { return };
+    let Some(file) = people_file(&["bk", "mm", "tr"], [2, 1], room.path()) else { return };
     let run = ergopath().arg("validate").arg(&file).arg("--json").assert().code(0);
     let found: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
     let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
@@ -81,7 +57,7 @@ fn recorded_people_teach_a_whole_person_and_are_predicted() {
         assert!(fit[1..4].iter().all(|f| *f < 15.0), "{fit:?}");
     }
 
-    let Some(file) = people(&["bk", "tr"], room.path()) else { return };
+    let Some(file) = people_file(&["bk", "tr"], [2, 1], room.path()) else { return };
     let check = ergopath().arg("check").arg(&file).assert().code(0);
     let said = String::from_utf8_lossy(&check.get_output().stdout).into_owned();
     assert!(said.contains("2 recorded people") && said.contains("`tr`: 3 recordings"), "{said}");
@@ -103,7 +79,7 @@ fn recorded_people_teach_a_whole_person_and_are_predicted() {
 #[test]
 fn a_model_that_is_there_is_judged_on_one_person() {
     let room = tempfile::tempdir().unwrap();
-    let Some(file) = people(&["bk"], room.path()) else { return };
+    let Some(file) = people_file(&["bk"], [2, 1], room.path()) else { return };
     let judged = |model: &str| {
         let folder = room.path().join(model);
         let run = ergopath()
@@ -149,7 +125,7 @@ fn a_model_that_is_there_is_judged_on_one_person() {
 #[test]
 fn what_is_no_group_of_people_is_refused() {
     let room = tempfile::tempdir().unwrap();
-    let Some(file) = people(&["bk"], room.path()) else { return };
+    let Some(file) = people_file(&["bk"], [2, 1], room.path()) else { return };
     let one = file.to_str().unwrap();
     let out = room.path().join("m.json");
     let out = out.to_str().unwrap();
