@@ -4,7 +4,9 @@
 //! RunResult ─► view    which paths are shown, and in which words
 //!           ─► tables  candidates.csv, paths/<rank>.csv
 //!           ─► figure_* on sheet, panel, style, mannequin   figures/*.png
+//!           ─► figure_still on raster, solid   figures/still.png
 //!           ─► page*   report.html, with scene.js and sort.js in it
+//!           ─► one_page   one_page.html on page_decision
 //! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
 //! CellLook ─► figure_cell   the cell before planning, PNG
 //! NamedGrip ─► figure_grips, figure_directions   how hands and tools are described, PNG
@@ -46,21 +48,26 @@ mod figure_population;
 mod figure_postures;
 mod figure_scores;
 mod figure_spread;
+mod figure_still;
 mod figure_weight_sets;
 mod figure_weights;
 mod filled;
 mod filled_page;
 mod mannequin;
+mod one_page;
 mod page;
 mod page_advice;
+mod page_decision;
 mod page_evidence;
 mod page_scene;
 mod page_scores;
 mod panel;
 mod paper;
 mod paper_page;
+mod raster;
 mod sheet;
 mod size;
+mod solid;
 mod style;
 mod tables;
 #[cfg(test)]
@@ -160,8 +167,13 @@ pub fn files_again(
             population: figure_population::population(&view)?,
         })
     });
-    let figures = page::Figures { paths: figure_paths::paths(&view)?, scores: scores.transpose()? };
+    let figures = page::Figures {
+        still: figure_still::still(&view)?,
+        paths: figure_paths::paths(&view)?,
+        scores: scores.transpose()?,
+    };
     files.push(("report.html".to_owned(), page::report(&view, &figures)?.into_bytes()));
+    files.extend(figures.still.map(|(png, _)| ("figures/still.png".to_owned(), png)));
     files.push(("figures/paths.png".to_owned(), figures.paths));
     if let Some(scores) = figures.scores {
         files.push(("figures/rula_over_time.png".to_owned(), scores.over_time));
@@ -177,6 +189,15 @@ pub fn files_again(
         }
     }
     Ok(files)
+}
+
+/// The decision on one sheet of A4, as (name, bytes); with what has changed since the run, if anything has.
+pub fn one_page(
+    result: &RunResult,
+    out_of_date: Option<&str>,
+) -> Result<(String, Vec<u8>), ReportError> {
+    let view = View { out_of_date, ..View::of(result) };
+    Ok(("one_page.html".to_owned(), one_page::one_page(&view)?.into_bytes()))
 }
 
 /// `result.json` as text.

@@ -59,6 +59,9 @@ pub(super) struct Common {
     /// Also write the sampled postures of every reported path to rollouts/.
     #[arg(long)]
     rollouts: bool,
+    /// Also write `one_page.html`: the decision on one sheet of A4, to print or to keep as PDF.
+    #[arg(long)]
+    one_page: bool,
     /// Also write the time of each stage to a file.
     #[arg(long, value_name = "FILE")]
     timings: Option<PathBuf>,
@@ -121,7 +124,11 @@ fn run(
     .map_err(|e| stopped(e, &common.output, outputs.another()))?;
     let planned_s = started.elapsed().as_secs_f64();
     let fault = |e: report::ReportError| InputError::fault("report", e.to_string());
-    outputs.folder(&common.output, report::files(&result).map_err(fault)?)?;
+    let mut files = report::files(&result).map_err(fault)?;
+    if common.one_page {
+        files.push(report::one_page(&result, None).map_err(fault)?);
+    }
+    outputs.folder(&common.output, files)?;
     let report_s = started.elapsed().as_secs_f64() - planned_s;
     if let Some(file) = &common.timings {
         outputs.file(file, format!("{TIMINGS}plan,{planned_s:.3}\nreport,{report_s:.3}\n"))?;

@@ -18,6 +18,9 @@ pub(super) struct Args {
     /// the result, in the folder above, in the working folder and in ./scenarios.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Also write `one_page.html`: the decision on one sheet of A4, to print or to keep as PDF.
+    #[arg(long)]
+    one_page: bool,
     /// Print nothing but what is out of date.
     #[arg(short, long)]
     quiet: bool,
@@ -28,8 +31,11 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
     let result = read_result(&args.result)?;
     let freshness = freshness(&result, &args.result, args.scenario.as_deref())?;
     let out_of_date = out_of_date(&freshness);
-    let mut files = report::files_again(&result, out_of_date.as_deref())
-        .map_err(|e| InputError::fault("report", e.to_string()))?;
+    let fault = |e: report::ReportError| InputError::fault("report", e.to_string());
+    let mut files = report::files_again(&result, out_of_date.as_deref()).map_err(fault)?;
+    if args.one_page {
+        files.push(report::one_page(&result, out_of_date.as_deref()).map_err(fault)?);
+    }
     let source = result_file(&args.result);
     let own = source.parent().unwrap_or(Path::new(""));
     let own = if own.as_os_str().is_empty() { Path::new(".") } else { own };

@@ -8,6 +8,7 @@ use super::person::{Person, modelled};
 use super::result::{PosePicture, Setting};
 use crate::files::InputError;
 use crate::human::reach_gap;
+use crate::math::Pose;
 use crate::path::Face;
 use crate::path::{ProjectionSettings, shortest_duration_s};
 use crate::robot::{
@@ -182,11 +183,7 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
             });
         }
     }
-    let settings = FollowSettings {
-        seed: scenario.seed,
-        obstacles: scenario.obstacles.clone(),
-        ..FollowSettings::default()
-    };
+    let settings = follow_settings(scenario);
     let robot = ends.map(|(end, tcp)| {
         let starts = start_postures(&scenario.robot, tcp, &settings);
         let (reach, best) = robot_at(scenario, end, &starts);
@@ -195,19 +192,7 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
     let shortest_s = shortest(scenario);
     let (along, robot_along) =
         straight_way(scenario, &people, (&robot[0].2, &settings), shortest_s);
-    let person = people.first();
-    let pictures = [0, 1].map(|i| {
-        let q = &robot[i].1;
-        person.map_or_else(
-            || PosePicture {
-                body: String::new(),
-                time_s: 0.0,
-                bones: Vec::new(),
-                robot: Vec::new(),
-            },
-            |p| p.picture_at(ends[i].1, &nominal, (&scenario.robot, q.as_deref())),
-        )
-    });
+    let pictures = pictures(scenario, &people, [0, 1].map(|i| robot[i].1.as_deref()));
     let workspace = scenario.limits.workspace.as_ref().map(|b| [b.min.into(), b.max.into()]);
     Ok(CellLook {
         setting: setting(scenario),
@@ -227,6 +212,45 @@ pub fn look_at_cell(scenario: &Scenario) -> Result<CellLook, InputError> {
         robot_along,
         pictures,
     })
+}
+
+fn follow_settings(scenario: &Scenario) -> FollowSettings {
+    FollowSettings {
+        seed: scenario.seed,
+        obstacles: scenario.obstacles.clone(),
+        ..FollowSettings::default()
+    }
+}
+
+/// The first body, in its mean posture moved on to the pose, and the robot at start and goal.
+fn pictures(
+    scenario: &Scenario,
+    people: &[Person],
+    robot: [Option<&[f64]>; 2],
+) -> [PosePicture; 2] {
+    let nominal = scenario.nominal();
+    let at = |tcp: &Pose, q: Option<&[f64]>| {
+        people.first().map_or_else(
+            || PosePicture {
+                body: String::new(),
+                time_s: 0.0,
+                bones: Vec::new(),
+                robot: Vec::new(),
+            },
+            |p| p.picture_at(tcp, &nominal, (&scenario.robot, q)),
+        )
+    };
+    [at(&scenario.start, robot[0]), at(&scenario.goal, robot[1])]
+}
+
+/// The same where nothing else is known of the robot.
+pub(super) fn cell_pictures(scenario: &Scenario, people: &[Person]) -> [PosePicture; 2] {
+    let settings = follow_settings(scenario);
+    let robot = [&scenario.start, &scenario.goal].map(|tcp| {
+        let starts = start_postures(&scenario.robot, tcp, &settings);
+        robot_at(scenario, "start", &starts).1
+    });
+    pictures(scenario, people, [0, 1].map(|i| robot[i].as_deref()))
 }
 
 /// Shortest duration of the straight movement, s.

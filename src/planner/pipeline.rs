@@ -2,6 +2,7 @@
 
 use super::apart::explain_nearness;
 use super::causes::unreached_ends;
+use super::cell_look::cell_pictures;
 use super::environment::Environment;
 use super::explain::{inputs, model_summary, not_modelled, setting};
 use super::filming;
@@ -153,6 +154,7 @@ fn run(
         planner: preset.clone(),
         search: searches.summary(),
         scene: filming::scene(scenario, report.motions),
+        ends: if best.is_some() { Vec::new() } else { cell_pictures(scenario, &people).into() },
         rollouts: report.rollouts,
         candidates,
     })

@@ -60,6 +60,9 @@ pub struct RunResult {
     pub search: Vec<SearchSummary>,
     /// The cell, the robot and the worker over time, to be looked at.
     pub scene: Scene,
+    /// Where no path was scored: the first body and the robot at start and goal, to be looked at.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ends: Vec<PosePicture>,
     /// The sampled postures themselves, on request; written to files of their own.
     #[serde(skip)]
     pub rollouts: Vec<RolloutTable>,

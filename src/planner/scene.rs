@@ -138,6 +138,14 @@ pub struct SceneCapsule {
     pub kind: Option<SegmentKind>,
 }
 
+impl SceneCapsule {
+    /// Whether all its points are among so many.
+    pub fn fits(&self, points: usize) -> bool {
+        let toward = self.wide.iter().flat_map(|w| &w.toward);
+        self.ends.iter().chain(toward).all(|&i| i < points)
+    }
+}
+
 /// Radii in the direction of a point.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneWidth {

@@ -124,7 +124,7 @@ pub(super) fn shown(view: &View, look: Look) -> ([f64; 2], [f64; 2]) {
         points.extend(pose.bones.iter().flatten());
         points.extend(&pose.robot);
     }
-    if view.lead.is_none() {
+    if view.lead.is_none() && view.result.ends.is_empty() {
         points.extend(setting.obstacles.iter().flat_map(|(_, low, high)| [*low, *high]));
     }
     let flat = points.into_iter().filter(|p| p.iter().all(|v| v.is_finite()));
@@ -132,9 +132,9 @@ pub(super) fn shown(view: &View, look: Look) -> ([f64; 2], [f64; 2]) {
     ([low[0] - ROOM_M, low[1] - ROOM_M], [high[0] + ROOM_M, high[1] + ROOM_M])
 }
 
-/// The lead's pictures at start and goal, of the shown body.
+/// The lead's pictures at start and goal, of the shown body; without a lead those of the cell.
 fn pictures<'a>(view: &View<'a>) -> [Option<&'a PosePicture>; 2] {
-    let Some(lead) = view.lead else { return [None, None] };
+    let Some(lead) = view.lead else { return [0, 1].map(|i| view.result.ends.get(i)) };
     let mut of = lead.poses.iter().filter(|p| Some(p.body.as_str()) == view.body);
     let first = of.next();
     [first, of.next_back()]

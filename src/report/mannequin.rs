@@ -87,42 +87,54 @@ fn outline<'a>(
     points: &'a [Vec3],
     look: Look,
 ) -> impl Iterator<Item = Vec3> + 'a {
-    let halves = ellipsoids(piece, points);
-    let is_foot = piece.kind == Some(SegmentKind::Foot);
+    let outline = Outline::of(piece, points);
     let [right, up] = look.axes();
     (0..=CORNERS).map(move |i| {
         let (sin, cos) = (TAU * i as f64 / CORNERS as f64).sin_cos();
-        let toward = right * cos + up * sin;
-        let farthest = halves.map(|(middle, axes)| {
-            let reach = axes.map(|a| a.dot(&toward));
+        outline.farthest(&(right * cos + up * sin))
+    })
+}
+
+/// A piece as the hull of an ellipsoid at each end.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Outline {
+    /// Middle and half axes; the first axis leads to the point towards which the piece is wide.
+    ellipsoids: [(Vec3, [Vec3; 3]); 2],
+    is_foot: bool,
+}
+
+impl Outline {
+    /// Of a piece between its points.
+    pub(super) fn of(piece: &SceneCapsule, points: &[Vec3]) -> Self {
+        let [a, b] = piece.ends.map(|e| points[e]);
+        let along = (b - a).try_normalize(1e-9).unwrap_or_else(Vec3::z);
+        let ellipsoids = [0, 1].map(|e| {
+            let middle = points[piece.ends[e]];
+            let radius = 1e-3 * f64::from(piece.radii_mm[e]);
+            let (toward, wide) = match &piece.wide {
+                Some(w) => (points[w.toward[e]] - middle, 1e-3 * f64::from(w.radii_mm[e])),
+                None => (along.cross(&Vec3::x()) + 1e-3 * along.cross(&Vec3::y()), radius),
+            };
+            let square = toward - along * toward.dot(&along);
+            let u = square.try_normalize(1e-9).unwrap_or_else(|| along.cross(&Vec3::y()));
+            (middle, [u * wide, along.cross(&u) * radius, along * radius.min(wide)])
+        });
+        Self { ellipsoids, is_foot: piece.kind == Some(SegmentKind::Foot) }
+    }
+
+    /// The point that is farthest in a direction.
+    pub(super) fn farthest(&self, toward: &Vec3) -> Vec3 {
+        let [a, b] = self.ellipsoids.map(|(middle, axes)| {
+            let reach = axes.map(|a| a.dot(toward));
             let mut off = axes[0] * reach[0] + axes[1] * reach[1] + axes[2] * reach[2];
             off /= reach.iter().map(|r| r * r).sum::<f64>().sqrt().max(1e-9);
-            if is_foot {
+            if self.is_foot {
                 // Nothing is below a sole.
                 let normal = axes[0].normalize();
                 off -= normal * off.dot(&normal).min(0.0);
             }
             middle + off
         });
-        let [a, b] = farthest;
-        if a.dot(&toward) > b.dot(&toward) { a } else { b }
-    })
-}
-
-/// Middle and half axes of the ellipsoid at each end of a piece; the first axis leads to the point
-/// towards which it is wide.
-fn ellipsoids(piece: &SceneCapsule, points: &[Vec3]) -> [(Vec3, [Vec3; 3]); 2] {
-    let [a, b] = piece.ends.map(|e| points[e]);
-    let along = (b - a).try_normalize(1e-9).unwrap_or_else(Vec3::z);
-    [0, 1].map(|e| {
-        let middle = points[piece.ends[e]];
-        let radius = 1e-3 * f64::from(piece.radii_mm[e]);
-        let (toward, wide) = match &piece.wide {
-            Some(w) => (points[w.toward[e]] - middle, 1e-3 * f64::from(w.radii_mm[e])),
-            None => (along.cross(&Vec3::x()) + 1e-3 * along.cross(&Vec3::y()), radius),
-        };
-        let square = toward - along * toward.dot(&along);
-        let u = square.try_normalize(1e-9).unwrap_or_else(|| along.cross(&Vec3::y()));
-        (middle, [u * wide, along.cross(&u) * radius, along * radius.min(wide)])
-    })
+        if a.dot(toward) > b.dot(toward) { a } else { b }
+    }
 }

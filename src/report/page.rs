@@ -1,16 +1,16 @@
 //! `report.html`: the frame of the page, the verdict and the figures.
 
 use super::ReportError;
+use super::figure_still::Shown;
 use super::page_advice as advice;
+use super::page_decision as decision;
 use super::page_evidence as evidence;
 use super::page_scene as scene;
 use super::page_scores as scores;
-use super::style::{css, method_levels};
+use super::style::method_levels;
 use super::view::View;
-use crate::ergonomics::{P_AT_LEAST_S, ScoringMethod};
-use crate::planner::{BodyScores, MethodScores, Severity};
-use crate::words;
-use crate::words::number::{change, percent, score};
+use crate::ergonomics::ScoringMethod;
+use crate::words::number::percent;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -24,6 +24,8 @@ const SORT_SCRIPT: &str = include_str!("sort.js");
 /// The figures of the page as PNG.
 #[derive(Debug, Clone)]
 pub(super) struct Figures {
+    /// The cell in three dimensions, and what it shows of it.
+    pub still: Option<(Vec<u8>, Shown)>,
     pub paths: Vec<u8>,
     pub scores: Option<ScoreFigures>,
 }
@@ -40,62 +42,81 @@ pub(super) struct ScoreFigures {
     pub population: Option<Vec<u8>>,
 }
 
-/// The sections in their order: id and heading.
-const SECTIONS: [(&str, &str); 16] = [
-    ("verdict", "Verdict"),
-    ("levels", "Time at each action level"),
-    ("variants", "Paths compared"),
-    ("scene", "The scene in motion"),
-    ("paths", "The paths"),
-    ("parts", "Body parts"),
-    ("curves", "Scores over time"),
-    ("postures", "Postures to look at"),
-    ("bodies", "Body sizes"),
-    ("recommendations", "Small changes that help"),
-    ("inputs", "Inputs and where they come from"),
-    ("assumptions", "Assumptions and what is not modelled"),
-    ("verification", "Verification"),
-    ("infeasible", "Paths that are not feasible"),
-    ("model", "Posture model"),
-    ("provenance", "Provenance"),
-];
+/// A section of the page: id, word of the navigation, heading, content.
+type Section = (&'static str, &'static str, &'static str, Markup);
+
+/// The sections in their order; those without anything to say are left out.
+fn sections(view: &View, figures: &Figures) -> Vec<Section> {
+    let is_scored = view.lead.is_some();
+    let scored = figures.scores.as_ref();
+    let always = |section: Section| Some(section);
+    let if_scored = |id, word, heading, content: &dyn Fn() -> Markup| {
+        is_scored.then(|| (id, word, heading, content()))
+    };
+    let all = [
+        always(("verdict", "Decision", "Decision", verdict(view, figures))),
+        if_scored("variants", "Paths", "Paths compared", &|| variants(view, figures)),
+        if_scored("scene", "Scene", "The scene in motion", &|| {
+            html! { (scene::section(view)) (paths(view, figures)) }
+        }),
+        if_scored("parts", "Body parts", "Body parts and scores over time", &|| {
+            html! { (parts(view, figures)) (curves(figures)) }
+        }),
+        if_scored("postures", "Postures", "Postures to look at", &|| {
+            advice::postures(view, scored.and_then(|f| f.postures.as_ref()))
+        }),
+        if_scored("bodies", "People", "Body sizes", &|| bodies(view, figures)),
+        if_scored("recommendations", "Changes", "Small changes that help", &|| {
+            advice::recommendations(view)
+        }),
+        always((
+            "inputs",
+            "Inputs",
+            "Inputs, assumptions, and what is not modelled",
+            html! {
+                (evidence::inputs(view))
+                (evidence::assumptions(view))
+            },
+        )),
+        always((
+            "verification",
+            "Checks",
+            "Checks, and paths that were refused",
+            html! {
+                @if is_scored { (evidence::verification(view)) }
+                h3 { "Paths that are not feasible" }
+                (evidence::infeasible(view))
+            },
+        )),
+        always((
+            "model",
+            "Model",
+            "Posture model and provenance",
+            html! {
+                (evidence::model(view))
+                (evidence::provenance(view))
+            },
+        )),
+    ];
+    all.into_iter().flatten().collect()
+}
 
 /// The page.
 pub(super) fn report(view: &View, figures: &Figures) -> Result<String, ReportError> {
     let setting = &view.result.setting;
     let title = format!("{} – ergopath report", setting.name);
-    let scored = figures.scores.as_ref();
-    let contents: [Markup; 16] = [
-        verdict(view),
-        levels(view, figures),
-        variants(view, figures),
-        scene::section(view),
-        paths(view, figures),
-        parts(view, figures),
-        curves(figures),
-        advice::postures(view, scored.and_then(|f| f.postures.as_ref())),
-        bodies(view, figures),
-        advice::recommendations(view),
-        evidence::inputs(view),
-        evidence::assumptions(view),
-        evidence::verification(view),
-        evidence::infeasible(view),
-        evidence::model(view),
-        evidence::provenance(view),
-    ];
+    let sections = sections(view, figures);
     let intro = html! {
         h1 { (setting.name) }
-        @if !setting.description.is_empty() { p { (setting.description) } }
+        @if !setting.description.is_empty() { p.about { (setting.description) } }
         @if let Some(what) = view.out_of_date { p.caveat { strong { "Out of date: " } (ticked(what)) } }
         nav.contents aria-label="Contents" {
-            ul {
-                @for (id, heading) in SECTIONS { li { a href={ "#" (id) } { (heading) } } }
-            }
+            ul { @for (id, word, ..) in &sections { li { a href={ "#" (id) } { (word) } } } }
         }
     };
     let body = html! {
-        @for ((id, heading), content) in SECTIONS.into_iter().zip(contents) {
-            section id=(id) class=[(id == "verdict").then_some("verdict")] aria-labelledby={ "h-" (id) } {
+        @for (id, _, heading, content) in &sections {
+            section id=(id) class=[(*id == "verdict").then_some("verdict")] aria-labelledby={ "h-" (id) } {
                 h2 id={ "h-" (id) } { (heading) }
                 (content)
             }
@@ -145,6 +166,11 @@ pub(super) fn list(lines: &[String]) -> Markup {
 }
 
 pub(super) fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
+    picture(png, alt, html! { (caption) })
+}
+
+/// A figure whose caption is more than words.
+pub(super) fn picture(png: &[u8], alt: &str, caption: Markup) -> Markup {
     html! {
         figure {
             img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(alt);
@@ -153,87 +179,10 @@ pub(super) fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
     }
 }
 
-fn verdict(view: &View) -> Markup {
-    let result = view.result;
-    let is_decided = result.verdict.is_decided();
+fn verdict(view: &View, figures: &Figures) -> Markup {
     html! {
-        p.headline { (ticked(&words::verdict::headline(result))) }
-        @if let Some(caveat) = result.verdict.caveat {
-            p.caveat { "Caution: " (words::verdict::caveat(caveat)) }
-        }
-        @for doubt in words::verdict::findings(result, Severity::Doubt) {
-            p.warning { strong { "Warning: " } (ticked(&doubt)) }
-        }
-        @if let (true, Some(body)) = (is_decided, words::verdict::lead_scores(result)) { (keys(view, body)) }
-        @if let Some(gain) = words::verdict::gain(result) { p { (ticked(&gain)) } }
-        (list(&words::verdict::expected(result)))
-        @if let Some(chosen) = words::verdict::chosen(result) { p { (chosen) } }
-        (list(&words::verdict::findings(result, Severity::Note)))
-        (list(&words::refused::lines(result)))
-        @for caution in words::verdict::findings(result, Severity::Caution) {
-            p.warning { strong { "Caution: " } (ticked(&caution)) }
-        }
-        @for warning in &result.warnings { p.warning { strong { "Warning: " } (ticked(&words::setting::warning(warning))) } }
-        @if view.lead.is_some() { p.note {
-            "90 % band: nine out of ten repetitions lie within it. Standard error: how far the mean itself may be \
-             off because only " (rollouts(view)) " repetitions were simulated. A repetition is one draw of "
-            (if view.shows_people() { "somebody like the recorded people, and of how they move" } else { "how this one person moves" })
-            ". Scores are means of ordinal scores: they rank, they do not measure. Action level 3 of RULA \
-             (score 5 or more) means: investigate and change soon. Peak: the score that is exceeded for 5 % of the time, \
-             median over repetitions, interpolated within whole scores."
-        } }
-    }
-}
-
-fn rollouts(view: &View) -> String {
-    let body = view.lead.and_then(|l| view.scores(l));
-    body.map_or_else(|| "few".to_owned(), |b| b.rollouts.to_string())
-}
-
-/// The numbers that decide, large.
-fn keys(view: &View, body: &BodyScores) -> Markup {
-    let lead = ScoringMethod::Rula;
-    let leading = &body.scores[lead];
-    let [exposure, low, high] = leading.high_band;
-    let at_least =
-        leading.distribution.p_at_least.get(usize::from(lead.high())).copied().unwrap_or(0.0);
-    html! {
-        dl.keys {
-            div.key {
-                dt { "Time at " (lead.name()) " action level 3 or above" }
-                dd.big { (percent(exposure)) }
-                dd.small { "90 % band " (percent(low)) " to " (percent(high)) }
-            }
-            @for (method, s) in body.scores.iter() { (score_key(method, s)) }
-            @if let Some(d) = view.straight.and_then(|s| view.difference(&s.id)) {
-                div.key {
-                    dt { (lead.name()) " against the straight path" }
-                    dd.big { @if d.clear { (change(d.mean)) } @else { "no clear difference" } }
-                    dd.small { "95 % interval " (change(d.low95)) " to " (change(d.high95)) }
-                }
-            }
-            div.key {
-                dt { (lead.name()) " " (lead.high()) " or more for at least " (P_AT_LEAST_S) " s" }
-                dd.big { (percent(at_least)) }
-                dd.small { "share of repetitions" }
-            }
-        }
-    }
-}
-
-fn score_key(method: ScoringMethod, scores: &MethodScores) -> Markup {
-    let d = &scores.distribution;
-    let level = method.level(d.expected.round() as u8);
-    let color = css(method_levels(method)[usize::from(level - method.level(1))].color);
-    html! {
-        div.key {
-            dt { "Expected " (method.name()) }
-            dd.big { (score(d.expected)) }
-            dd.small { "90 % band " (score(d.p05)) " to " (score(d.p95)) }
-            dd.small { "per metre " (score(scores.per_metre)) ", peak " (score(scores.peak)) }
-            dd { span.badge style={ "background:" (color) } { "action level " (level) } }
-            dd.small { (method.level_words(level)) }
-        }
+        (decision::first_screen(view, figures))
+        (decision::beside(view))
     }
 }
 
@@ -280,6 +229,7 @@ fn paths(view: &View, figures: &Figures) -> Markup {
 
 fn variants(view: &View, figures: &Figures) -> Markup {
     html! {
+        (levels(view, figures))
         (scores::variants(view))
         @if let Some(figures) = &figures.scores {
             (figure(

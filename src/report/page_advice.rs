@@ -24,6 +24,8 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
         @if moments.iter().all(|m| m.held_s.is_none()) {
             p.note { "No posture is held along this path: trunk and arm never rest." }
         }
+        details {
+        summary { "The same as numbers" }
         div.scroll tabindex="0" role="region" aria-label="Postures" {
             table {
                 thead { tr {
@@ -40,6 +42,7 @@ pub(super) fn postures(view: &View, png: Option<&Vec<u8>>) -> Markup {
                     }
                 }
             }
+        }
         }
     }
 }

@@ -218,7 +218,10 @@ fn thresholds(view: &View) -> Markup {
 fn trust(b: &BodyScores) -> Markup {
     html! {
         dl.pairs {
-            @for (name, sentence) in words::strain::lines(b) { dt { (name) } dd { (sentence) } }
+            // Who is worst off stands in the decision.
+            @for (name, sentence) in words::strain::lines(b).into_iter().filter(|(n, _)| *n != words::strain::WORST_OFF) {
+                dt { (name) } dd { (sentence) }
+            }
         }
         dl.pairs {
             dt { "Repetitions" } dd { (b.rollouts) ", each along the whole path" }

@@ -123,7 +123,7 @@ pub(super) fn section(view: &View) -> Markup {
         return html! { p { "No path was scored, so nothing moves." } };
     };
     html! {
-        p {
+        p.onscreen {
             "The robot, the person as a mannequin, and the paths; in motion. The person shown is the \
              repetition nearest to the mean posture of all. Translucent ghosts are other repetitions, spread evenly \
              over their ranking by RULA: how much "
@@ -131,7 +131,7 @@ pub(super) fn section(view: &View) -> Markup {
         }
         noscript { p.note { "The scene needs scripts. The figures below show start and goal without them." } }
         p.note.scripted id="scene-status" role="status" { "The scene is being made \u{2026}" }
-        p.printed { "The scene moves on a screen only; \u{201c}The paths\u{201d} below shows start and goal." }
+        p.printed { "The scene moves on a screen only; the figure shows start and goal." }
         div.scene id="scene-box" hidden {
             div.controls role="group" aria-label="What the scene shows" {
                 label { "Path " select id="scene-path" {

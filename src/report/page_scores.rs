@@ -131,7 +131,8 @@ pub(super) fn parts(view: &View) -> Markup {
     let Some(lead) = view.lead.and_then(|l| view.scores(l)) else { return html! {} };
     let straight = view.straight.and_then(|s| view.scores(s));
     html! {
-        h3 { "The same as numbers" }
+        details {
+        summary { "The same as numbers" }
         div.scroll tabindex="0" role="region" aria-label="Body parts" {
             table {
                 thead { tr {
@@ -159,6 +160,7 @@ pub(super) fn parts(view: &View) -> Markup {
                     }
                 }
             }
+        }
         }
     }
 }

@@ -18,7 +18,7 @@ use plotters::style::{
 use std::sync::OnceLock;
 
 /// How much larger the sheet is drawn.
-const FINER: u32 = 2;
+pub(super) const FINER: u32 = 2;
 /// Dots per metre written into the file: 1600 px are 17 cm of a page at 240 dots per inch.
 const DOTS_PER_M: u32 = 9449;
 
@@ -85,16 +85,26 @@ pub(super) fn png(
     (width, height): (u32, u32),
     paint: impl FnOnce(&Sheet) -> Drawn,
 ) -> Result<Vec<u8>, ReportError> {
+    let white = vec![255_u8; (width * FINER * height * FINER * 3) as usize];
+    png_over(name, (width, height), white, paint)
+}
+
+/// The same on a picture that is there already: red, green, blue of `FINER` times as many pixels
+/// each way.
+pub(super) fn png_over(
+    name: &str,
+    (width, height): (u32, u32),
+    mut large: Vec<u8>,
+    paint: impl FnOnce(&Sheet) -> Drawn,
+) -> Result<Vec<u8>, ReportError> {
     let fault = |e: &dyn std::fmt::Display| ReportError::Figure {
         name: name.to_owned(),
         message: e.to_string(),
     };
     register_fonts().map_err(|e| fault(&e))?;
-    let fine = (width * FINER, height * FINER);
-    let mut large = vec![255_u8; (fine.0 * fine.1 * 3) as usize];
     {
+        let fine = (width * FINER, height * FINER);
         let area = BitMapBackend::with_buffer(&mut large, fine).into_drawing_area();
-        area.fill(&WHITE).map_err(|e| fault(&e))?;
         let sheet = Sheet { area };
         paint(&sheet).map_err(|e| fault(&e))?;
         sheet.area.present().map_err(|e| fault(&e))?;

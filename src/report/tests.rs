@@ -179,7 +179,8 @@ fn assert_figures(files: &Files, count: usize) {
         let mut reader = png::Decoder::new(bytes.as_slice()).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size()];
         let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!(info.width, 1600, "{name}");
+        let width = if name == "figures/still.png" { 1000 } else { 1600 };
+        assert_eq!(info.width, width, "{name}");
         assert!(info.height >= 200, "{name}");
         let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
         assert!(inked > 1500, "{name}: {inked}");
@@ -257,9 +258,63 @@ fn the_scene_follows_the_path() {
     }
 }
 
+/// The still shows the moment at which RULA is highest on average, with the score of the person shown.
+#[test]
+fn the_still_shows_the_hardest_moment() {
+    let view = View::of(feasible());
+    let (_, shown) = figure_still::still(&view).unwrap().unwrap();
+    let lead = view.lead.unwrap();
+    let motion = feasible().scene.motions.iter().find(|m| m.candidate == lead.id).unwrap();
+    let mean = &view.scores(lead).unwrap().rula().distribution.band.mean;
+    let time_s = &lead.path.as_ref().unwrap().time_s;
+    let index = motion.samples.iter().position(|&k| time_s[k] == shown.time_s).unwrap();
+    let there = mean[motion.samples[index]];
+    assert!(motion.samples.iter().all(|&k| mean[k] <= there + 1e-9), "{there}");
+    let people = motion.people.iter().find(|p| Some(p.body.as_str()) == view.body).unwrap();
+    assert_eq!(shown.rula, people.typical.as_ref().unwrap().rula[index]);
+    assert!((6..=8).contains(&shown.ghosts));
+    assert!(figure_still::still(&View::of(impossible())).unwrap().is_none());
+}
+
+#[test]
+fn the_first_screen_tells_before_and_after_once() {
+    let page = text(made(), "report.html");
+    let decision = page.split("class=\"decision\"").nth(1).unwrap();
+    let decision = decision.split("class=\"keys\"").next().unwrap();
+    let view = View::of(feasible());
+    let own = view.own[0];
+    let share = |c| crate::words::number::percent(view.scores(c).unwrap().rula().high_band[0]);
+    let told = format!("{} \u{2192} {}", share(own), share(view.lead.unwrap()));
+    assert!(decision.contains(&told), "{told}");
+    assert_eq!(decision.matches("class=\"levelbar\"").count(), 2);
+    for words in
+        ["Settle first", "demonstration model", "Best path: ", "who is worst off of the 2 bodies"]
+    {
+        assert_eq!(decision.matches(words).count(), 1, "{words}");
+    }
+    // What is to be settled first is not told again among what is to be minded.
+    let settled = crate::words::decision::settle(feasible());
+    let changed = settled.split("RULA").nth(1).unwrap().split(" instead").next().unwrap();
+    let minded = page.split("To mind").nth(1).map_or("", |m| m.split("</ul>").next().unwrap());
+    assert!(!minded.contains(changed.trim()), "{changed}: {minded}");
+}
+
+#[test]
+fn one_page_holds_the_decision_and_needs_nothing_else() {
+    for result in [feasible(), impossible()] {
+        let (name, bytes) = one_page(result, None).unwrap();
+        assert_eq!(name, "one_page.html");
+        let page = String::from_utf8(bytes).unwrap();
+        assert!(!page.contains("<script") && page.contains("A &lt;b&gt;&amp;"));
+        assert!(page.contains("Reviewed by") && page.contains("Not modelled: "));
+        assert_eq!(page.matches("<img").count(), 1);
+        assert!(page.contains(&result.provenance.inputs[0].1[..16]));
+    }
+}
+
 #[test]
 fn figures_are_drawn() {
-    assert_figures(made(), 8);
+    assert_figures(made(), 9);
 }
 
 #[test]
@@ -333,6 +388,11 @@ fn without_a_feasible_path_the_report_says_why() {
     assert_self_contained(&page);
     assert!(page.contains("No path keeps all limits") && page.contains("cannot be used"));
     assert_figures(&files, 1);
+    // Nothing stands there to say that nothing stands there.
+    assert!(!page.contains("No path was scored") && !page.contains("id=\"scene\""));
+    // The cell is drawn with the worker and the robot in it.
+    assert_eq!(impossible().ends.len(), 2);
+    assert!(impossible().ends.iter().all(|p| !p.bones.is_empty() && !p.robot.is_empty()));
     assert!(!files.iter().any(|(n, _)| n.starts_with("paths/")));
 }
 

@@ -122,10 +122,13 @@ fn worst_off(w: &WorstOff) -> String {
     format!("person {} of them{who}, with a mean RULA of {:.2}: {how}", w.person, w.score)
 }
 
+/// Name of the figure that tells who is worst off.
+pub const WORST_OFF: &str = "worst off";
+
 /// Name and sentence of each figure of a body.
 pub fn lines(b: &BodyScores) -> Vec<(&'static str, String)> {
     let people = people(&b.scores).map(|sentence| ("people", sentence));
-    let worst = b.worst_off.as_ref().map(|w| ("worst off", worst_off(w)));
+    let worst = b.worst_off.as_ref().map(|w| (WORST_OFF, worst_off(w)));
     let size = b.with_stature.map(|with| ("body size", with_stature(with)));
     let strain = b.strain.as_ref().map_or_else(Vec::new, of_strain);
     people.into_iter().chain(worst).chain(size).chain(strain).collect()
