@@ -242,12 +242,16 @@ mod tests {
             let robot = Robot::preset(name).unwrap();
             let free = nearest(&robot, &robot.home);
             assert!(free.distance_m > 0.03, "{name}: {free:?}");
-            let folded: &[&[f64]] = if robot.dof() == 7 {
+            let folded: &[&[f64]] = match name {
                 // Forearm on to the shoulder; hand on to the upper arm.
-                &[&[0.0, 1.7, 0.0, -3.0, 0.0, 1.6, 0.8], &[0.0, 0.0, 0.0, -3.0, 0.0, 0.6, 0.8]]
-            } else {
+                _ if robot.dof() == 7 => {
+                    &[&[0.0, 1.7, 0.0, -3.0, 0.0, 1.6, 0.8], &[0.0, 0.0, 0.0, -3.0, 0.0, 0.6, 0.8]]
+                }
+                // Wrist back to the base; forearm down along the upper arm.
+                "crb15000" => &[&[0.0, 1.0, 1.48, 0.0, 0.0, 0.0]],
+                "crx10ial" => &[&[0.0, 0.0, -1.5, 0.0, 0.0, 0.0]],
                 // Forearm back along the upper arm.
-                &[&[0.0, -1.57, 2.9, 0.0, 0.0, 0.0], &[0.0, -1.57, 2.9, 1.57, 1.57, 0.0]]
+                _ => &[&[0.0, -1.57, 2.9, 0.0, 0.0, 0.0], &[0.0, -1.57, 2.9, 1.57, 1.57, 0.0]],
             };
             for q in folded {
                 let near = nearest(&robot, q);

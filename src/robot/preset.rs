@@ -23,7 +23,7 @@ macro_rules! shipped {
         }
     };
 }
-shipped!("panda", "fr3", "ur3e", "ur5e", "ur10e", "ur20");
+shipped!("panda", "fr3", "ur3e", "ur5e", "ur10e", "ur20", "crb15000", "crx10ial");
 
 const SCHEMA: &str = "ergopath/robot/1";
 
@@ -192,6 +192,47 @@ mod tests {
         ur_by_table(table, q)
     }
 
+    /// Product of turns about the axes as they lie at zero, each with a point on it.
+    fn by_axes(axes: [([f64; 3], [f64; 3]); 6], zero: Matrix4<f64>, q: &[f64]) -> Matrix4<f64> {
+        let turn = |(axis, point): &([f64; 3], [f64; 3]), q: f64| {
+            let to = Matrix4::new_translation(&Vec3::from(*point));
+            let back = Matrix4::new_translation(&-Vec3::from(*point));
+            to * Matrix4::new_rotation(Vec3::from(*axis) * q) * back
+        };
+        axes.iter().zip(q).fold(rot_z(0.0), |t, (axis, q)| t * turn(axis, *q)) * zero
+    }
+
+    fn crb15000_by_axes(q: &[f64]) -> Matrix4<f64> {
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let axes = [
+            (z, [0.0; 3]),
+            (y, [0.0, 0.0, 0.265]),
+            (y, [0.0, 0.0, 0.709]),
+            (x, [0.0, 0.0, 0.819]),
+            (y, [0.47, 0.0, 0.819]),
+            (x, [0.0, 0.0, 0.899]),
+        ];
+        let zero =
+            Matrix4::new(0., 0., 1., 0.571, 0., 1., 0., 0., -1., 0., 0., 0.899, 0., 0., 0., 1.);
+        by_axes(axes, zero, q)
+    }
+
+    fn crx10ial_by_axes(q: &[f64]) -> Matrix4<f64> {
+        let (x, y, z) = ([-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let back = [0.0, -1.0, 0.0];
+        let axes = [
+            (z, [0.0; 3]),
+            (y, [0.0, 0.0, 0.245]),
+            (back, [0.0, 0.0, 0.955]),
+            (x, [0.0, 0.0, 0.955]),
+            (back, [0.54, 0.0, 0.955]),
+            (x, [0.0, -0.15, 0.955]),
+        ];
+        let zero =
+            Matrix4::new(0., 0., 1., 0.7, 0., -1., 0., -0.15, 1., 0., 0., 0.955, 0., 0., 0., 1.);
+        by_axes(axes, zero, q)
+    }
+
     fn ur5e_by_table(q: &[f64]) -> Matrix4<f64> {
         let table = [
             (0.0, 0.1625, FRAC_PI_2),
@@ -228,6 +269,8 @@ mod tests {
             ("ur5e", ur5e_by_table),
             ("ur10e", ur10e_by_table),
             ("ur20", ur20_by_table),
+            ("crb15000", crb15000_by_axes),
+            ("crx10ial", crx10ial_by_axes),
         ] {
             let robot = Robot::preset(name).unwrap();
             for q in postures(&robot) {
@@ -287,6 +330,10 @@ mod tests {
             assert_eq!(robot.name, name);
             assert!(!robot.assumed().is_empty() && !robot.sources.is_empty());
             assert!(robot.notes.is_empty());
+            // Each stands at home with its tool down, in front, and without touching itself.
+            let home = tcp_pose(&robot, &robot.home);
+            let is_down = (home.rotation * Vec3::z()).z < -0.999;
+            assert!(is_down && home.translation.vector.x > 0.2, "{name}: {home}");
         }
     }
 }

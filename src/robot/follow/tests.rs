@@ -56,7 +56,10 @@ fn a_straight_path_in_front_of_the_arm_is_followed() {
         let duration = 1.875 * 0.4 / 0.25;
         // The shortest arm reaches half a metre.
         let (ahead, up) = if name == "ur3e" { (0.3, 1.0) } else { (0.45, 1.2) };
-        let path = line(Vec3::new(ahead, -0.2, up), Vec3::new(ahead, 0.2, up), duration);
+        let mut path = line(Vec3::new(ahead, -0.2, up), Vec3::new(ahead, 0.2, up), duration);
+        // As the tool is turned at home: a turn about its axis may need a joint's last degree elsewhere.
+        let turn = tcp_poses(&robot, std::slice::from_ref(&robot.home))[0].rotation;
+        path.1.iter_mut().for_each(|p| p.rotation = turn);
         let followed = follow(&robot, &path.0, &path.1, &FollowSettings::default());
         let Follow::Feasible(motion) = followed else { panic!("{name}: {followed:?}") };
         assert!(
@@ -72,7 +75,8 @@ fn a_straight_path_in_front_of_the_arm_is_followed() {
         }
         assert!(motion.qd_share.value < 0.6, "{name}: {:?}", motion.qd_share);
         assert!(motion.qdd_share.value < 0.6, "{name}: {:?}", motion.qdd_share);
-        assert!(motion.position_margin.value > 0.05 && motion.min_singular_value > 0.02);
+        let (margin, singular) = (motion.position_margin.value, motion.min_singular_value);
+        assert!(margin > 0.05 && singular > 0.02, "{name}: {margin} {singular}");
         let again = follow(&robot, &path.0, &path.1, &FollowSettings::default());
         assert_eq!(again, Follow::Feasible(motion));
     }
