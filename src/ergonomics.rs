@@ -73,7 +73,7 @@ pub use niosh::{
 };
 pub(crate) use paired::t_critical_975;
 pub use paired::{FEW_PAIRS, PairedDifference, paired_difference, paired_median_difference};
-pub use people::{PeopleSpread, by_person};
+pub use people::{PeopleSpread, SizeSplit, by_person};
 pub use profile::{Profile, UpperArmRule};
 pub use reba::{
     REBA_WORST, RebaScores, RebaSteps, reba, reba_action_level, reba_action_words, reba_from_scores,

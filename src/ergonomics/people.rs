@@ -6,7 +6,8 @@
 //! ```
 //! Repetitions of one person are alike in part, so that intervals rest on the means of people.
 
-use crate::math::stats::mean;
+use crate::math::stats::{mean, std_dev};
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 /// How people differ in a score, where the repetitions are made by people in turn.
@@ -25,6 +26,15 @@ pub struct PeopleSpread {
     /// Share of people who are at action level 3 or above for half a second in at least half of their
     /// repetitions.
     pub at_high: f64,
+}
+
+/// The spread between people in two parts, standard deviations of their own expected scores.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SizeSplit {
+    /// What goes with the size of their bodies.
+    pub size_sd: f64,
+    /// What remains: their ways of moving.
+    pub way_sd: f64,
 }
 
 impl PeopleSpread {
@@ -56,6 +66,37 @@ impl PeopleSpread {
             within_sd: within.sqrt(),
             at_high: often.count() as f64 / p,
             by_person,
+        })
+    }
+
+    /// What of the spread between people goes with the columns of `sizes` (a value for each person in each), in
+    /// standard deviations; none where the columns do not tell all people apart from each other.
+    ///
+    /// ```text
+    /// m_p = b0 + b' x_p + g_p + e_p    mean of person p, sizes x_p, way of moving g_p, repetitions e_p
+    /// var of size: var(m) - s^2        s^2: residual mean square, so that chance explains nothing on average
+    /// var of way:  s^2 - within^2 / repetitions of a person
+    /// ```
+    pub fn split(&self, sizes: &[Vec<f64>], repetitions: usize) -> Option<SizeSplit> {
+        let (n, k) = (self.persons, sizes.len());
+        if n <= k + 2 || sizes.iter().any(|x| x.len() != n) {
+            return None;
+        }
+        let column = |j: usize| -> Vec<f64> {
+            let Some(x) = j.checked_sub(1).and_then(|j| sizes.get(j)) else { return vec![1.0; n] };
+            let (middle, spread) = (mean(x), std_dev(x));
+            x.iter().map(|v| (v - middle) / spread.max(1e-12)).collect()
+        };
+        let columns: Vec<DVector<f64>> = (0..=k).map(|j| column(j).into()).collect();
+        let x = DMatrix::from_columns(&columns);
+        let m = DVector::from_column_slice(&self.by_person);
+        let fitted = &x * x.clone().svd(true, true).solve(&m, 1e-9).ok()?;
+        let left = (&m - fitted).norm_squared() / (n - k - 1) as f64;
+        let all = std_dev(&self.by_person).powi(2);
+        let chance = self.within_sd.powi(2) * n as f64 / repetitions.max(n) as f64;
+        Some(SizeSplit {
+            size_sd: (all - left).max(0.0).sqrt(),
+            way_sd: (left - chance).max(0.0).sqrt(),
         })
     }
 
@@ -123,5 +164,39 @@ mod tests {
         assert_eq!((spread.between_sd, spread.at_high, spread.worst()), (0.0, 0.5, 1));
         assert!(PeopleSpread::of(&values, &lasts, None).is_none());
         assert!(PeopleSpread::of(&values, &lasts, Some(6)).is_none());
+    }
+
+    #[test]
+    fn size_and_way_of_moving_are_told_apart() {
+        let persons = 600;
+        let mut rng = stream(4, Purpose::Simulation, 0, 0);
+        let [stature, mass, way] = [0, 1, 2].map(|_| normals(&mut rng, persons));
+        // Sizes in units and with means of their own; four repetitions each.
+        let sizes = [
+            stature.iter().map(|v| 1.7 + 0.07 * v).collect::<Vec<f64>>(),
+            mass.iter().map(|v| 75.0 + 12.0 * v).collect(),
+        ];
+        let values: Vec<f64> = (0..4 * persons)
+            .map(|r| {
+                let p = r % persons;
+                let size = 0.4 * stature[p] + 0.3 * mass[p];
+                4.0 + size + 0.2 * way[p] + 0.6 * normals(&mut rng, 1)[0]
+            })
+            .collect();
+        let spread = PeopleSpread::of(&values, &vec![0.0; values.len()], Some(persons)).unwrap();
+        let split = spread.split(&sizes, values.len()).unwrap();
+        assert!((split.size_sd - 0.5).abs() < 0.05, "{split:?}");
+        assert!((split.way_sd - 0.2).abs() < 0.05, "{split:?}");
+        // The parts make the whole.
+        let whole = split.size_sd.hypot(split.way_sd);
+        assert!((whole - spread.between_sd).abs() < 0.01, "{whole} {}", spread.between_sd);
+        // Sizes that have nothing to do with it explain nothing, and equal ones are no columns.
+        let other = spread.split(&[normals(&mut rng, persons)], values.len()).unwrap();
+        assert!(
+            other.size_sd < 0.1 && (other.way_sd - spread.between_sd).abs() < 0.02,
+            "{other:?}"
+        );
+        assert!(spread.split(&[vec![1.7; persons]], values.len()).unwrap().size_sd < 1e-6);
+        assert_eq!(spread.split(&[vec![1.7; 3]], values.len()), None);
     }
 }

@@ -2,8 +2,9 @@
 
 use super::person::Person;
 use super::repetitions::{Repetition, Repetitions};
-use super::result::{Moved, WorstOff};
+use super::result::{Moved, OfSize, WorstOff};
 use crate::ergonomics::PeopleSpread;
+use crate::human::{BodySize, Sex};
 use crate::math::stats::{mean, rank_correlation};
 use crate::survey::{Lens, PostureAngles};
 
@@ -13,13 +14,16 @@ const LEAST_DEG: f64 = 3.0;
 const MOST: usize = 3;
 
 impl Repetitions {
-    /// Rank correlation of people's means with their statures; none where all have one body.
-    pub(super) fn with_stature(&self, spread: &PeopleSpread, person: &Person) -> Option<f64> {
-        let size = |r: &Repetition| Some(person.member_size(r)?.stature_m);
-        let statures: Vec<f64> = self.all[..spread.persons].iter().map_while(size).collect();
-        (statures.len() == spread.persons)
-            .then(|| rank_correlation(&statures, &spread.by_person))
-            .flatten()
+    /// How people's means go with their sizes; none where all have one body.
+    pub(super) fn of_size(&self, spread: &PeopleSpread, person: &Person) -> Option<OfSize> {
+        let size = |r: &Repetition| person.member_size(r);
+        let sizes: Vec<BodySize> = self.all[..spread.persons].iter().map_while(size).collect();
+        let column = |of: fn(&BodySize) -> f64| -> Vec<f64> { sizes.iter().map(of).collect() };
+        let is_woman = |s: &BodySize| f64::from(u8::from(s.sex == Sex::Female));
+        let statures = column(|s| s.stature_m);
+        let columns = [statures.clone(), column(|s| s.mass_kg), column(is_woman)];
+        let split = spread.split(&columns, self.all.len())?;
+        Some(OfSize { with_stature: rank_correlation(&statures, &spread.by_person)?, split })
     }
 
     /// The person with the highest mean score among people who differ as `spread` says.
@@ -60,6 +64,7 @@ impl Repetitions {
 
 #[cfg(test)]
 mod tests {
+    use crate::ergonomics::ScoringMethod;
     use crate::human::Sex;
     use crate::planner::lens::lens;
     use crate::planner::person::{Person, modelled};
@@ -119,7 +124,11 @@ mod tests {
         let worst = scores.worst_off.unwrap();
         let size = members[repetitions.all[worst.person - 1].member].size;
         assert_eq!(worst.size, Some(size));
-        assert!(scores.with_stature.unwrap().abs() <= 1.0);
+        let of_size = scores.of_size.unwrap();
+        assert!(of_size.with_stature.abs() <= 1.0);
+        let between = scores.scores[ScoringMethod::Rula].people.as_ref().unwrap().between_sd;
+        let whole = of_size.split.size_sd.hypot(of_size.split.way_sd);
+        assert!(whole <= between + 0.1, "{whole} of {between}");
         assert!(scores.hand_residual_max_mm < 1.0, "{}", scores.hand_residual_max_mm);
     }
 }

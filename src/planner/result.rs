@@ -8,7 +8,7 @@ use super::refusal::{Hint, RefusedGroup, Status};
 use super::scene::{PosedMannequin, Scene};
 use crate::ergonomics::{
     ActionLevelShare, LiftAssessment, PairedDifference, PeopleSpread, PerMethod, ScoreDistribution,
-    ScoringMethod, ThresholdSensitivity, by_person, paired_difference,
+    ScoringMethod, SizeSplit, ThresholdSensitivity, by_person, paired_difference,
 };
 use crate::files::null_as_nan;
 use crate::human::{BodySize, Hands, Stance};
@@ -301,9 +301,9 @@ pub struct BodyScores {
     /// Who is worst off among people who repeat; none where nobody does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst_off: Option<WorstOff>,
-    /// Of a population: rank correlation of people's mean RULA with their statures.
+    /// Of a population: how people's mean RULA goes with the size of their bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub with_stature: Option<f64>,
+    pub of_size: Option<OfSize>,
     /// What the whole body does; none where no repetition begins.
     #[serde(default)]
     pub strain: Option<BodyStrain>,
@@ -344,6 +344,16 @@ impl BodyScores {
     pub fn reba(&self) -> &MethodScores {
         &self.scores[ScoringMethod::Reba]
     }
+}
+
+/// How people's mean RULA goes with the size of their bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OfSize {
+    /// Rank correlation with their statures.
+    pub with_stature: f64,
+    /// What of the spread goes with stature, mass and sex, and what remains.
+    #[serde(flatten)]
+    pub split: SizeSplit,
 }
 
 /// The person with the highest mean RULA among those who repeat.

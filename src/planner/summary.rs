@@ -60,10 +60,10 @@ impl Repetitions {
                 .people
                 .as_ref()
                 .map(|spread| self.worst_off(lens, spread, person)),
-            with_stature: scores[ScoringMethod::Rula]
+            of_size: scores[ScoringMethod::Rula]
                 .people
                 .as_ref()
-                .and_then(|spread| self.with_stature(spread, person)),
+                .and_then(|spread| self.of_size(spread, person)),
             strain: None,
             rollouts: self.all.len(),
             scores,

@@ -4,7 +4,7 @@ use super::number::percent;
 use super::setting::size;
 use crate::ergonomics::{PeopleSpread, PerMethod, ScoringMethod};
 use crate::planner::{
-    BodyScores, BodyStrain, MethodScores, ModeShare, Moved, Spread, StepsTaken, WorstOff,
+    BodyScores, BodyStrain, MethodScores, ModeShare, Moved, OfSize, Spread, StepsTaken, WorstOff,
 };
 
 fn band(s: &Spread, digits: usize, unit: &str) -> String {
@@ -86,8 +86,9 @@ fn people(scores: &PerMethod<MethodScores>) -> Option<String> {
 /// in twenty.
 const GOES_WITH: f64 = 0.35;
 
-/// Whether the tall or the short are worse off.
-fn with_stature(correlation: f64) -> String {
+/// Whether the tall or the short are worse off, and what of the spread goes with size.
+fn of_size(of: &OfSize) -> String {
+    let OfSize { with_stature: correlation, split } = *of;
     let what = if correlation.abs() < GOES_WITH {
         "neither the tall nor the short are clearly worse off"
     } else if correlation > 0.0 {
@@ -95,7 +96,11 @@ fn with_stature(correlation: f64) -> String {
     } else {
         "the shorter a person, the worse"
     };
-    format!("{what} (rank correlation of people's mean RULA with stature {correlation:.2})")
+    format!(
+        "{what} (rank correlation of people's mean RULA with stature {correlation:.2}). Of the standard deviation between \
+         people, {:.2} go with stature, mass and sex, and {:.2} with their ways of moving (the two add as squares)",
+        split.size_sd, split.way_sd
+    )
 }
 
 /// Who is worst off, and how this person moves.
@@ -129,7 +134,7 @@ pub const WORST_OFF: &str = "worst off";
 pub fn lines(b: &BodyScores) -> Vec<(&'static str, String)> {
     let people = people(&b.scores).map(|sentence| ("people", sentence));
     let worst = b.worst_off.as_ref().map(|w| (WORST_OFF, worst_off(w)));
-    let size = b.with_stature.map(|with| ("body size", with_stature(with)));
+    let size = b.of_size.as_ref().map(|of| ("body size", of_size(of)));
     let strain = b.strain.as_ref().map_or_else(Vec::new, of_strain);
     people.into_iter().chain(worst).chain(size).chain(strain).collect()
 }
