@@ -57,6 +57,10 @@ mod train;
 mod train_print;
 mod validate;
 mod validate_print;
+mod watch;
+mod watch_desk;
+mod watch_files;
+mod watch_server;
 
 use crate::files::{InputError, Outputs};
 use clap::{Parser, Subcommand};
@@ -87,6 +91,8 @@ enum Command {
     Body(body::Args),
     /// Plans paths for a scenario: ranks them by the postures they would cause, and reports.
     Plan(plan::PlanArgs),
+    /// Checks, draws and plans a scenario again on every save, and shows it in a browser.
+    Watch(watch::Args),
     /// Scores the paths that you have now, as they are, without planning.
     Assess(plan::AssessArgs),
     /// Scores a motion, sampled postures or filled-in worksheets by RULA and REBA.
@@ -126,6 +132,8 @@ enum Outcome {
     NothingFeasible,
     /// Of several runs.
     SomeFailed,
+    /// By a signal, which is how a command ends that would go on for ever.
+    Interrupted,
 }
 
 impl Outcome {
@@ -134,6 +142,7 @@ impl Outcome {
             Self::Done => 0,
             Self::NothingFeasible => 3,
             Self::SomeFailed => 4,
+            Self::Interrupted => INTERRUPTED,
         }
     }
 }
@@ -174,6 +183,7 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args, outputs),
         Command::Body(args) => body::run(&args, outputs),
         Command::Plan(args) => plan::plan(&args, outputs),
+        Command::Watch(args) => watch::run(&args, &outputs),
         Command::Assess(args) => plan::assess(&args, outputs),
         Command::Score(args) => score::run(&args, outputs),
         Command::Batch(args) => batch::batch(&args, &outputs),

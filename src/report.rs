@@ -15,6 +15,7 @@
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
+//! how a watched scenario stands ─► watch_page, with watch.js in it   the page of `watch` around report.html
 //! PaperResult ─► paper, paper_page on figure_box, figure_horizon, figure_spread, figure_weight_sets   page, PNG, CSV, JSON
 //! ```
 //!
@@ -69,6 +70,7 @@ mod validation;
 mod validation_page;
 mod value_axis;
 mod view;
+mod watch_page;
 
 pub use comparison::{
     ComparedBody, ComparedPath, ComparedRun, Comparison, NamedRun, Role, RowState, RunDifference,
@@ -87,6 +89,7 @@ pub use filled_page::{Picked, sheet_files};
 pub use paper::paper_files;
 pub use size::size_files;
 pub use validation::validation_files;
+pub use watch_page::{Watched, WatchedCheck, WatchedPhase, watch_page, watch_status};
 
 use crate::planner::RunResult;
 use thiserror::Error;

@@ -47,4 +47,5 @@ mod shipped;
 mod train_cli;
 mod train_real;
 mod verdict;
+mod watch_cli;
 mod whole_worker;
