@@ -94,7 +94,9 @@ impl Round {
         let work = thread::spawn(move || {
             let done = look(&args, &desk, outputs, &over);
             desk.note_files(take_named_inputs());
-            if let Err(failure) = &done {
+            if let Err(failure) = &done
+                && !over.load(Ordering::Relaxed)
+            {
                 desk.failed(shown(&failure.0));
             }
             match done {

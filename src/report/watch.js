@@ -14,6 +14,12 @@
     const inner = frame.contentDocument && frame.contentDocument.documentElement;
     if (inner) new ResizeObserver(fit).observe(inner);
   });
+  // What the reader opened or closed stays so.
+  const chosen = new Map();
+  status.addEventListener("click", (event) => {
+    const details = event.target.closest("summary") && event.target.closest("details");
+    if (details) chosen.set(details.id, !details.open);
+  });
   let version = 0;
   let report = 0;
   for (;;) {
@@ -24,10 +30,10 @@
       gone.hidden = true;
       if (news.version !== version) {
         version = news.version;
-        const open = [...status.querySelectorAll("details")].map((d) => d.open);
         status.innerHTML = news.html;
-        const details = [...status.querySelectorAll("details")];
-        if (details.length === open.length) details.forEach((d, i) => { d.open = open[i]; });
+        for (const details of status.querySelectorAll("details")) {
+          if (chosen.has(details.id)) details.open = chosen.get(details.id);
+        }
         document.title = news.title;
         if (news.report !== report) {
           report = news.report;

@@ -9,9 +9,10 @@ const OWN_CSS: &str = "
 #watch section { padding: 14px 20px; margin: 12px 0; }
 #watch h1 { font-size: 1.25rem; }
 #watch progress { width: min(100%, 24em); vertical-align: middle; accent-color: var(--accent); }
-#watch pre { overflow-x: auto; font: .9rem/1.4 ui-monospace, Menlo, Consolas, monospace; margin: 0; }
+#watch pre { overflow-x: auto; font: .9rem/1.4 ui-monospace, Menlo, Consolas, monospace; margin: 0 0 10px; }
 #watch .failed { border-top: 6px solid #8a3d00; }
 #watch summary { cursor: pointer; }
+#watch section > :last-child { margin-bottom: 0; }
 #report { display: block; width: 100%; min-height: 400px; border: 0; }
 #report[hidden] { display: none; }
 ";
@@ -134,7 +135,7 @@ pub fn watch_status(watched: &Watched) -> String {
             section {
                 @for error in &check.errors { p.warning { strong { "Error: " } (ticked(error)) } }
                 @for warning in &check.warnings { p.warning { strong { "Warning: " } (ticked(warning)) } }
-                details {
+                details id="says" {
                     summary { "What the scenario says" @if is_failed { ", as it was read last" } }
                     (list(&check.says))
                     @if !check.notes.is_empty() { (list(&check.notes)) }
