@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! RunResult ─► view    which paths are shown, and in which words
-//!           ─► tables  candidates.csv, paths/<rank>.csv
+//!           ─► tables  candidates.csv, paths/<rank>.csv;  with workbook   report.xlsx
 //!           ─► figure_* on sheet, panel, style, mannequin   figures/*.png
 //!           ─► page*   report.html, with scene.js and sort.js in it
 //! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
@@ -71,6 +71,7 @@ mod validation_page;
 mod value_axis;
 mod view;
 mod watch_page;
+mod workbook;
 
 pub use comparison::{
     ComparedBody, ComparedPath, ComparedRun, Comparison, NamedRun, Role, RowState, RunDifference,
@@ -107,6 +108,9 @@ pub enum ReportError {
     /// A table could not be written.
     #[error("table: {0}")]
     Table(#[from] csv::Error),
+    /// The workbook could not be written.
+    #[error("report.xlsx: {0}")]
+    Workbook(#[from] rust_xlsxwriter::XlsxError),
     /// A figure could not be drawn.
     #[error("figure `{name}`: {message}")]
     Figure {
@@ -128,13 +132,17 @@ pub fn files_again(
     out_of_date: Option<&str>,
 ) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let view = View { out_of_date, ..View::of(result) };
+    let candidates = tables::candidates(&view);
     let mut files = vec![
         ("result.json".to_owned(), result_json(result)?.into_bytes()),
-        ("candidates.csv".to_owned(), tables::candidates(&view)?),
+        ("candidates.csv".to_owned(), candidates.csv()?),
     ];
+    let mut sheets = vec![workbook::Sheet::candidates(candidates)];
     for candidate in &view.reported {
         if let (Some(rank), Some(path)) = (candidate.rank, &candidate.path) {
-            files.push((format!("paths/{rank}.csv"), tables::path(path)?));
+            let table = tables::path(path);
+            files.push((format!("paths/{rank}.csv"), table.csv()?));
+            sheets.push(workbook::Sheet::path(rank, candidate, table));
             if let Some(motion) = &path.joint_trajectory {
                 let name = |end: &str| format!("paths/{rank}.joint_trajectory.{end}");
                 files.push((name("json"), (serde_json::to_string_pretty(motion)? + "\n").into()));
@@ -144,6 +152,7 @@ pub fn files_again(
             }
         }
     }
+    files.push(("report.xlsx".to_owned(), workbook::workbook(&view, &sheets)?));
     for table in &result.rollouts {
         let body = table
             .other_body
