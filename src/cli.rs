@@ -44,6 +44,7 @@ mod inspect_motion;
 mod new;
 mod plan;
 mod plan_print;
+mod program;
 mod progress;
 mod questions;
 mod report;
@@ -101,6 +102,8 @@ enum Command {
     Batch(batch::BatchArgs),
     /// Makes the report of a finished run again, without planning.
     Report(report::Args),
+    /// Writes a path of a finished run as a program for the robot's controller.
+    Program(program::Args),
     /// Puts finished runs side by side: paths, layouts, robots or body sizes.
     Compare(compare::Args),
     /// Makes recordings motions of a body of the person's size, and says how good they are.
@@ -188,6 +191,7 @@ pub fn main() -> ExitCode {
         Command::Score(args) => score::run(&args, outputs),
         Command::Batch(args) => batch::batch(&args, &outputs),
         Command::Report(args) => report::run(&args, outputs),
+        Command::Program(args) => program::run(&args, outputs),
         Command::Compare(args) => compare::run(&args, outputs),
         Command::Import(args) => import::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),

@@ -15,6 +15,7 @@
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
+//! PathData, Robot ─► program   a path as a program for a controller
 //! how a watched scenario stands ─► watch_page, with watch.js in it   the page of `watch` around report.html
 //! PaperResult ─► paper, paper_page on figure_box, figure_horizon, figure_spread, figure_weight_sets   page, PNG, CSV, JSON
 //! ```
@@ -60,6 +61,7 @@ mod page_scores;
 mod panel;
 mod paper;
 mod paper_page;
+mod program;
 mod sheet;
 mod size;
 mod style;
@@ -88,6 +90,7 @@ pub use figure_import::{ImportPicture, import_figure};
 pub use figure_weights::{Learned, weights_figure};
 pub use filled_page::{Picked, sheet_files};
 pub use paper::paper_files;
+pub use program::{Language, Program, ProgramError, program};
 pub use size::size_files;
 pub use validation::validation_files;
 pub use watch_page::{Watched, WatchedCheck, WatchedPhase, watch_page, watch_status};

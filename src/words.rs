@@ -10,6 +10,7 @@ pub mod look;
 pub mod number;
 pub mod path;
 pub mod paths;
+pub mod program;
 pub mod refusal;
 pub mod refused;
 pub mod robot;

@@ -38,6 +38,7 @@ mod paper_cli;
 mod people_cli;
 mod plan_cli;
 mod planner;
+mod program_cli;
 mod prose;
 mod recordings_real;
 mod report_cli;
