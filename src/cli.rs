@@ -44,6 +44,7 @@ mod inspect_motion;
 mod new;
 mod plan;
 mod plan_print;
+mod program;
 mod progress;
 mod questions;
 mod report;
@@ -57,6 +58,10 @@ mod train;
 mod train_print;
 mod validate;
 mod validate_print;
+mod watch;
+mod watch_desk;
+mod watch_files;
+mod watch_server;
 
 use crate::files::{InputError, Outputs};
 use clap::{Parser, Subcommand};
@@ -87,6 +92,8 @@ enum Command {
     Body(body::Args),
     /// Plans paths for a scenario: ranks them by the postures they would cause, and reports.
     Plan(plan::PlanArgs),
+    /// Checks, draws and plans a scenario again on every save, and shows it in a browser.
+    Watch(watch::Args),
     /// Scores the paths that you have now, as they are, without planning.
     Assess(plan::AssessArgs),
     /// Scores a motion, sampled postures or filled-in worksheets by RULA and REBA.
@@ -95,6 +102,8 @@ enum Command {
     Batch(batch::BatchArgs),
     /// Makes the report of a finished run again, without planning.
     Report(report::Args),
+    /// Writes a path of a finished run as a program for the robot's controller.
+    Program(program::Args),
     /// Puts finished runs side by side: paths, layouts, robots or body sizes.
     Compare(compare::Args),
     /// Makes recordings motions of a body of the person's size, and says how good they are.
@@ -126,6 +135,8 @@ enum Outcome {
     NothingFeasible,
     /// Of several runs.
     SomeFailed,
+    /// By a signal, which is how a command ends that would go on for ever.
+    Interrupted,
 }
 
 impl Outcome {
@@ -134,6 +145,7 @@ impl Outcome {
             Self::Done => 0,
             Self::NothingFeasible => 3,
             Self::SomeFailed => 4,
+            Self::Interrupted => INTERRUPTED,
         }
     }
 }
@@ -174,10 +186,12 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args, outputs),
         Command::Body(args) => body::run(&args, outputs),
         Command::Plan(args) => plan::plan(&args, outputs),
+        Command::Watch(args) => watch::run(&args, &outputs),
         Command::Assess(args) => plan::assess(&args, outputs),
         Command::Score(args) => score::run(&args, outputs),
         Command::Batch(args) => batch::batch(&args, &outputs),
         Command::Report(args) => report::run(&args, outputs),
+        Command::Program(args) => program::run(&args, outputs),
         Command::Compare(args) => compare::run(&args, outputs),
         Command::Import(args) => import::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),

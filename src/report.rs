@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! RunResult ─► view    which paths are shown, and in which words
-//!           ─► tables  candidates.csv, paths/<rank>.csv
+//!           ─► tables  candidates.csv, paths/<rank>.csv;  with workbook   report.xlsx
 //!           ─► figure_* on sheet, panel, style, mannequin   figures/*.png
 //!           ─► figure_still on raster, solid   figures/still.png
 //!           ─► page*   report.html, with scene.js and sort.js in it
@@ -17,6 +17,8 @@
 //! a scored frame ─► filled, filled_page   worksheets/*.html, *.csv
 //! LeftOut ─► validation, validation_page on figure_agreement, figure_coverage, figure_movement   page, PNG
 //! SizeExperiment ─► size          size.png, size.csv, size.json
+//! PathData, Robot ─► program   a path as a program for a controller
+//! how a watched scenario stands ─► watch_page, with watch.js in it   the page of `watch` around report.html
 //! PaperResult ─► paper, paper_page on figure_box, figure_horizon, figure_spread, figure_weight_sets   page, PNG, CSV, JSON
 //! ```
 //!
@@ -64,6 +66,7 @@ mod page_scores;
 mod panel;
 mod paper;
 mod paper_page;
+mod program;
 mod raster;
 mod sheet;
 mod size;
@@ -76,6 +79,8 @@ mod validation;
 mod validation_page;
 mod value_axis;
 mod view;
+mod watch_page;
+mod workbook;
 
 pub use comparison::{
     ComparedBody, ComparedPath, ComparedRun, Comparison, NamedRun, Role, RowState, RunDifference,
@@ -92,8 +97,10 @@ pub use figure_import::{ImportPicture, import_figure};
 pub use figure_weights::{Learned, weights_figure};
 pub use filled_page::{Picked, sheet_files};
 pub use paper::paper_files;
+pub use program::{Language, Program, ProgramError, program};
 pub use size::size_files;
 pub use validation::validation_files;
+pub use watch_page::{Watched, WatchedCheck, WatchedPhase, watch_page, watch_status};
 
 use crate::planner::RunResult;
 use thiserror::Error;
@@ -111,6 +118,9 @@ pub enum ReportError {
     /// A table could not be written.
     #[error("table: {0}")]
     Table(#[from] csv::Error),
+    /// The workbook could not be written.
+    #[error("report.xlsx: {0}")]
+    Workbook(#[from] rust_xlsxwriter::XlsxError),
     /// A figure could not be drawn.
     #[error("figure `{name}`: {message}")]
     Figure {
@@ -132,13 +142,17 @@ pub fn files_again(
     out_of_date: Option<&str>,
 ) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let view = View { out_of_date, ..View::of(result) };
+    let candidates = tables::candidates(&view);
     let mut files = vec![
         ("result.json".to_owned(), result_json(result)?.into_bytes()),
-        ("candidates.csv".to_owned(), tables::candidates(&view)?),
+        ("candidates.csv".to_owned(), candidates.csv()?),
     ];
+    let mut sheets = vec![workbook::Sheet::candidates(candidates)];
     for candidate in &view.reported {
         if let (Some(rank), Some(path)) = (candidate.rank, &candidate.path) {
-            files.push((format!("paths/{rank}.csv"), tables::path(path)?));
+            let table = tables::path(path);
+            files.push((format!("paths/{rank}.csv"), table.csv()?));
+            sheets.push(workbook::Sheet::path(rank, candidate, table));
             if let Some(motion) = &path.joint_trajectory {
                 let name = |end: &str| format!("paths/{rank}.joint_trajectory.{end}");
                 files.push((name("json"), (serde_json::to_string_pretty(motion)? + "\n").into()));
@@ -148,6 +162,7 @@ pub fn files_again(
             }
         }
     }
+    files.push(("report.xlsx".to_owned(), workbook::workbook(&view, &sheets)?));
     for table in &result.rollouts {
         let body = table
             .other_body

@@ -6,6 +6,7 @@
 //! TCP poses in the world ─ follow (ik) ─► joint path ─ check, collide ─► RobotMotion | why not
 //!   several motions: the least cost (grade); poor ones once more in the null space (ease);
 //!   where that fails, on request, branch and redundancy by dynamic programming (resolve)
+//! motion ─ moves | stream ─► what controllers take, and its limits checked again
 //! user's joint path ─ check_joint_path ─► limits broken;  tcp_poses ─► TCP poses in the world
 //! q ─ body ─► capsules, stick figure ─ clearance ─► distance to obstacles
 //! ```
@@ -24,10 +25,13 @@ mod ik;
 mod joint_trajectory;
 mod link_shapes;
 mod mesh_files;
+mod moves;
+mod odd_rates;
 mod preset;
 mod refusal;
 mod resolve;
 mod room;
+mod stream;
 mod track;
 
 pub use between::{Between, between};
@@ -43,10 +47,13 @@ pub use collide::{SelfNearest, measure_room, self_clearance};
 pub use description::{Assumed, Brake, Limits, Robot, RobotNote};
 pub use follow::{Follow, FollowSettings, Starts, follow, follow_from, start_postures};
 pub use joint_trajectory::{
-    Duration, Header, JointMargin, JointTrajectory, OddVelocity, Point, TrajectoryFault,
+    Duration, Header, JointMargin, JointTrajectory, Point, TrajectoryFault,
 };
 pub use link_shapes::{AssumedShapes, MeshFault, MissingMesh};
+pub use moves::{Move, Moves, NoMoves, TICK_S};
+pub use odd_rates::OddRate;
 pub use preset::PRESETS;
 pub use refusal::{AtLimit, NoMotion};
 pub use room::{NotChecked, ObstacleClearance, RobotFacts, RobotMargins, SelfCheck, SelfClearance};
+pub use stream::Stream;
 pub use track::trace;

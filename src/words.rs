@@ -11,6 +11,7 @@ pub mod look;
 pub mod number;
 pub mod path;
 pub mod paths;
+pub mod program;
 pub mod refusal;
 pub mod refused;
 pub mod robot;

@@ -296,14 +296,17 @@ fn trajectory(path: &Path) -> Result<Explained, InputError> {
     let mut explained = Explained::new("the motion of a robot (ROS JointTrajectory)")
         .saying(format!("{} points over {end:.2} s", t.points.len()))
         .saying(format!("joints: {}", t.joint_names.join(", ")));
-    if let Some(odd) = t.odd_velocity() {
-        explained.warnings.push(format!(
-            "point {}, joint `{}`: the file gives a velocity of {:.3}, but the positions move at {:.3}",
-            odd.point + 1,
-            odd.joint,
-            odd.given,
-            odd.moved
-        ));
+    for (odd, what, rest) in [
+        (t.odd_velocity(), "a velocity", "the positions move at"),
+        (t.odd_acceleration(), "an acceleration", "the velocities change a second by"),
+    ] {
+        explained.warnings.extend(odd.map(|odd| {
+            let (point, joint) = (odd.point + 1, odd.joint);
+            format!(
+                "point {point}, joint `{joint}`: the file gives {what} of {:.3}, but {rest} {:.3}",
+                odd.given, odd.moved
+            )
+        }));
     }
     let fits = |name: &&&str| Robot::preset(name).is_ok_and(|r| t.postures(&r).is_ok());
     match PRESETS.iter().find(fits) {

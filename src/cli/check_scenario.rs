@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
     Ok(outcome(&explained))
 }
 
-fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
+pub(super) fn in_words(scenario: &Scenario, look: &CellLook, text: &str) -> Explained {
     let s = &look.setting;
     let mut explained = Explained::new(format!("a scenario, \"{}\"", scenario.name));
     let says = &mut explained.says;

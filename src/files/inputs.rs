@@ -4,26 +4,39 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+type Names = Mutex<BTreeSet<PathBuf>>;
 
-fn read() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    READ.lock().unwrap_or_else(PoisonError::into_inner)
+static READ: Names = Mutex::new(BTreeSet::new());
+/// Every name that was asked for, whether there was a file or not.
+static NAMED: Names = Mutex::new(BTreeSet::new());
+
+fn open(names: &'static Names) -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    names.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Notes a file that is read. The readers of this module do so themselves; whoever opens a file in
 /// another way says so here.
 pub fn note_input(path: &Path) {
+    if let Ok(named) = std::path::absolute(path) {
+        open(&NAMED).insert(named);
+    }
     if let Ok(whole) = path.canonicalize()
         && whole.is_file()
     {
-        read().insert(whole);
+        open(&READ).insert(whole);
     }
+}
+
+/// The files that were asked for since the last call, also those that are not there: what depends on
+/// them may be another when they change. Links are not followed.
+pub fn take_named_inputs() -> Vec<PathBuf> {
+    std::mem::take(&mut *open(&NAMED)).into_iter().collect()
 }
 
 /// Whether a file is one that was read, under whichever of its names.
 pub(super) fn is_input(path: &Path) -> bool {
     let Ok(whole) = path.canonicalize() else { return false };
-    let inputs = read();
+    let inputs = open(&READ);
     inputs.contains(&whole) || inputs.iter().any(|input| is_same_file(input, &whole))
 }
 

@@ -23,12 +23,16 @@ impl NumericTable {
         Self::parse(path, &read_bytes(path)?)
     }
 
-    /// Parses CSV bytes, written in any way that [`CsvText`] reads; `path` is only named in errors.
+    /// Parses CSV bytes, written in any way that [`CsvText`] reads; `path` is only named in errors. Empty
+    /// rows, and empty columns without a name at the end, are left out: spreadsheets write them.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, InputError> {
         let text = CsvText::of(path, bytes)?;
         let mut reader = text.reader();
         let header = reader.headers().map_err(|e| text.broken(path, &e))?;
-        let columns: Vec<String> = header.iter().map(str::to_owned).collect();
+        let mut columns: Vec<String> = header.iter().map(str::to_owned).collect();
+        while columns.len() > 1 && columns.last().is_some_and(String::is_empty) {
+            columns.pop();
+        }
         for (i, name) in columns.iter().enumerate() {
             if columns[..i].contains(name) {
                 return Err(InputError::new(path, format!("column `{name}` appears twice"))
@@ -36,9 +40,12 @@ impl NumericTable {
             }
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
-        for record in reader.records() {
-            let record = record.map_err(|e| text.broken(path, &e))?;
-            let line = text.line(&record);
+        for row in text.rows(path, &mut reader) {
+            let (line, record) = row?;
+            if let Some(cell) = record.iter().skip(columns.len()).find(|c| !c.is_empty()) {
+                let message = format!("line {line}: `{cell}` stands in a column without a name");
+                return Err(InputError::new(path, message).remedy("name the column, or empty it"));
+            }
             let row: Result<Vec<f64>, InputError> = record
                 .iter()
                 .zip(&columns)
@@ -108,6 +115,16 @@ mod tests {
         assert!(t.column("bb").is_err());
         let late = parse("# from a logger\n\na,b\n\n1,2\n3,4\n").unwrap();
         assert_eq!((late.line(0), late.line(1)), (5, 6));
+    }
+
+    #[test]
+    fn what_spreadsheets_leave_empty_is_left_out() {
+        let t = parse("a;b;;\n1;2;;\n;;;\n3;4,5;;\n;;;\n").unwrap();
+        assert_eq!((t.columns.len(), &t.rows), (2, &vec![vec![1.0, 2.0], vec![3.0, 4.5]]));
+        assert_eq!(t.line(1), 4);
+        let e = parse("a;b;\n1;2;3\n").unwrap_err().to_string();
+        assert!(e.contains("`3` stands in a column without a name"), "{e}");
+        assert!(parse("a;b\n1;\n").is_err());
     }
 
     #[test]

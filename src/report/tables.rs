@@ -1,4 +1,5 @@
-//! The tables of a run as CSV: all candidates, and each reported path over time.
+//! The tables of a run: all candidates, and each reported path over time. Each is written as CSV and is a
+//! sheet of the workbook.
 
 use super::ReportError;
 use super::view::View;
@@ -8,6 +9,44 @@ use crate::planner::{
     BodyScores, CandidateResult, Evaluated, MethodScores, PathData, RolloutTable, Status,
 };
 use crate::words;
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Cell {
+    Text(String),
+    Number(f64),
+    Empty,
+}
+
+/// A table with as many cells in each row as columns; units are in the names of the columns.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Table {
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Cell {
+    /// Empty where there is no finite number.
+    fn number(value: Option<f64>) -> Self {
+        value.filter(|v| v.is_finite()).map_or(Self::Empty, Self::Number)
+    }
+}
+
+impl Table {
+    /// As CSV; numbers in their shortest form that reads back the same.
+    pub(super) fn csv(&self) -> Result<Vec<u8>, ReportError> {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        table.write_record(&self.columns)?;
+        for row in &self.rows {
+            table.write_record(row.iter().map(|cell| match cell {
+                Cell::Text(text) => text.clone(),
+                Cell::Number(value) => value.to_string(),
+                Cell::Empty => String::new(),
+            }))?;
+        }
+        table.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
+    }
+}
 
 /// Columns before and after those of the scoring methods.
 const FIRST: [&str; 8] =
@@ -37,20 +76,16 @@ fn columns(method: ScoringMethod) -> [String; 8] {
 }
 
 /// `candidates.csv`: each path for the body of the verdict, which is named.
-pub(super) fn candidates(view: &View) -> Result<Vec<u8>, ReportError> {
-    let mut table = csv::Writer::from_writer(Vec::new());
+pub(super) fn candidates(view: &View) -> Table {
     let own = ScoringMethod::ALL.into_iter().flat_map(columns);
     let header = FIRST.map(str::to_owned).into_iter().chain(own).chain(LAST.map(str::to_owned));
-    table.write_record(header)?;
-    for candidate in &view.result.candidates {
-        table.write_record(row(candidate, view.scores(candidate)))?;
-    }
-    table.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
+    let rows = view.result.candidates.iter().map(|c| row(c, view.scores(c)));
+    Table { columns: header.collect(), rows: rows.collect() }
 }
 
-fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<String> {
-    let number =
-        |v: Option<f64>| v.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string());
+fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<Cell> {
+    let number = Cell::number;
+    let text = |t: String| if t.is_empty() { Cell::Empty } else { Cell::Text(t) };
     let state = match &c.status {
         Status::Feasible => "feasible",
         Status::Marked { .. } => "marked",
@@ -62,14 +97,14 @@ fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<String> {
         Evaluated::Reported => "reported",
     };
     let mut row = vec![
-        c.rank.map_or_else(String::new, |r| r.to_string()),
-        c.id.clone(),
-        words::paths::path_name(c),
-        family_name(c.family).to_owned(),
-        state.to_owned(),
-        evaluated.to_owned(),
+        number(c.rank.map(|r| r as f64)),
+        text(c.id.clone()),
+        text(words::paths::path_name(c)),
+        text(family_name(c.family).to_owned()),
+        text(state.to_owned()),
+        text(evaluated.to_owned()),
         number(c.objective),
-        body.map(|b| b.body.clone()).unwrap_or_default(),
+        text(body.map(|b| b.body.clone()).unwrap_or_default()),
     ];
     for method in ScoringMethod::ALL {
         let s = body.map(|b| &b.scores[method]);
@@ -92,8 +127,8 @@ fn row(c: &CandidateResult, body: Option<&BodyScores>) -> Vec<String> {
         number(hand.map(|h| h.travel_m)),
         number(hand.map(|h| h.speed_m_s)),
         number(hand.and_then(|h| h.acceleration_m_s2)),
-        why.join("; "),
-        words::refusal::reason(&c.status, &c.changes),
+        text(why.join("; ")),
+        text(words::refusal::reason(&c.status, &c.changes)),
     ]);
     row
 }
@@ -132,20 +167,18 @@ pub(super) fn rollouts(table: &RolloutTable) -> Result<Vec<u8>, ReportError> {
     out.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
 }
 
-/// `paths/<rank>.csv`: numbers in their shortest form that reads back the same.
-pub(super) fn path(data: &PathData) -> Result<Vec<u8>, ReportError> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    let mut header: Vec<String> =
+/// `paths/<rank>.csv`: TCP and robot over time.
+pub(super) fn path(data: &PathData) -> Table {
+    let mut columns: Vec<String> =
         ["time_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].map(str::to_owned).to_vec();
     if !data.robot_q.is_empty() {
-        header.extend(data.robot_joints.iter().map(|j| format!("{j}_rad")));
+        columns.extend(data.robot_joints.iter().map(|j| format!("{j}_rad")));
     }
-    table.write_record(&header)?;
-    for (i, (time, tcp)) in data.time_s.iter().zip(&data.tcp).enumerate() {
-        let mut row: Vec<String> = vec![time.to_string()];
-        row.extend(tcp.iter().map(f64::to_string));
-        row.extend(data.robot_q.get(i).into_iter().flatten().map(f64::to_string));
-        table.write_record(&row)?;
-    }
-    table.into_inner().map_err(|e| ReportError::Table(e.into_error().into()))
+    let row = |(i, (time, tcp)): (usize, (&f64, &[f64; 7]))| {
+        let joints = data.robot_q.get(i).into_iter().flatten();
+        let all = std::iter::once(time).chain(tcp).chain(joints);
+        all.map(|v| Cell::Number(*v)).collect()
+    };
+    let rows = data.time_s.iter().zip(&data.tcp).enumerate().map(row).collect();
+    Table { columns, rows }
 }

@@ -12,11 +12,6 @@ use thiserror::Error;
 
 /// Looks between two points.
 const FINER: usize = 10;
-/// How much faster than the mean pace beside a point its velocity may be, and what always may be,
-/// rad/s or m/s: a spline overshoots by half, a sensor is noisy.
-const FASTER: f64 = 3.0;
-const SLACK: f64 = 0.1;
-
 /// Names in this struct are those of the ROS message.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointTrajectory {
@@ -74,19 +69,6 @@ pub struct Point {
 #[error("{0}")]
 pub struct TrajectoryFault(String);
 
-/// A velocity of a trajectory that its positions contradict.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OddVelocity {
-    /// Index of the point.
-    pub point: usize,
-    /// The joint.
-    pub joint: String,
-    /// As given, rad/s or m/s.
-    pub given: f64,
-    /// The nearest that the positions before and after allow, rad/s or m/s.
-    pub moved: f64,
-}
-
 /// How near a trajectory comes to one joint's limits between its points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointMargin {
@@ -143,32 +125,6 @@ impl JointTrajectory {
             })
             .collect();
         Self { header: Header::default(), joint_names, points }
-    }
-
-    /// The first velocity that cannot belong to the positions: of another sign, or more than three
-    /// times as fast as the positions move on both sides of the point. Rests at points are no
-    /// contradiction.
-    pub fn odd_velocity(&self) -> Option<OddVelocity> {
-        let time = |k: usize| self.points[k].time_from_start.seconds();
-        let pace = |k: usize, j: usize| {
-            let (a, b) = (self.points[k].positions.get(j)?, self.points[k + 1].positions.get(j)?);
-            let step = time(k + 1) - time(k);
-            (step > 0.0).then(|| (b - a) / step)
-        };
-        for (point, p) in self.points.iter().enumerate() {
-            for (j, (&given, joint)) in p.velocities.iter().zip(&self.joint_names).enumerate() {
-                let before = point.checked_sub(1).and_then(|k| pace(k, j));
-                let after = (point + 1 < self.points.len()).then(|| pace(point, j)).flatten();
-                let (Some(a), Some(b)) = (before.or(after), after.or(before)) else { continue };
-                let (low, high) = (a.min(b).min(0.0), a.max(b).max(0.0));
-                let (least, most) = (FASTER * low - SLACK, FASTER * high + SLACK);
-                if !(least..=most).contains(&given) {
-                    let moved = if given > 0.0 { high } else { low };
-                    return Some(OddVelocity { point, joint: joint.clone(), given, moved });
-                }
-            }
-        }
-        None
     }
 
     /// Times (s) and postures in the order of a robot's joints.
@@ -259,7 +215,7 @@ impl JointTrajectory {
 }
 
 /// Position, speed and acceleration of the quintic between two points, at a share of the way.
-fn quintic(a: &Point, b: &Point, joint: usize, share: f64) -> Option<[f64; 3]> {
+pub(super) fn quintic(a: &Point, b: &Point, joint: usize, share: f64) -> Option<[f64; 3]> {
     let h = b.time_from_start.seconds() - a.time_from_start.seconds();
     let state = |p: &Point| {
         Some([
@@ -436,21 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn velocities_that_are_not_those_of_the_positions_are_found() {
-        let made = sampled(20);
-        assert_eq!(made.odd_velocity(), None);
-        // Resting at every point is a way to go, too.
-        let mut rests = made.clone();
-        rests.points.iter_mut().for_each(|p| p.velocities = vec![0.0]);
-        assert_eq!(rests.odd_velocity(), None);
-        for (factor, given) in [(-1.0, -0.9375), (10.0, 9.375)] {
-            let mut odd = made.clone();
-            odd.points[10].velocities[0] *= factor;
-            let found = odd.odd_velocity().unwrap();
-            assert_eq!((found.point, found.joint.as_str()), (10, "a"));
-            assert_relative_eq!(found.given, given, epsilon = 1e-3);
-            assert!(found.moved >= 0.0 && found.moved < 1.0, "{found:?}");
-        }
+    fn a_value_that_is_no_number_is_named() {
         let robot = Robot::preset("panda").unwrap();
         let names: Vec<String> = robot.joint_names().map(str::to_owned).collect();
         let still = vec![vec![0.1; names.len()]; 3];

@@ -10,7 +10,7 @@ use super::plausible::{self, Doubt, LONGEST_S};
 use super::warning::Warning;
 use crate::files::{InputError, NumericTable, read_bytes, sha256_hex};
 use crate::math::{Pose, Vec3};
-use crate::robot::{JointTrajectory, Robot, tcp_poses};
+use crate::robot::{JointTrajectory, OddRate, Robot, tcp_poses};
 use crate::trajectory::{TimedPath, TrajectoryError};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::path::Path;
@@ -177,15 +177,18 @@ fn read_trajectory(
     }
     let path = TimedPath::new(time_s, tcp_poses(robot, &q))
         .map_err(|e| fault(format!("{e}; time_from_start must rise from point to point")))?;
-    let doubts = trajectory
-        .odd_velocity()
-        .map(|odd| Doubt::Velocities {
-            place: format!("point {}, joint `{}`", odd.point + 1, odd.joint),
-            given: odd.given,
-            moved: odd.moved,
-        })
-        .into_iter()
-        .collect();
+    let place = |odd: &OddRate| format!("point {}, joint `{}`", odd.point + 1, odd.joint);
+    let velocity = trajectory.odd_velocity().map(|odd| Doubt::Velocities {
+        place: place(&odd),
+        given: odd.given,
+        moved: odd.moved,
+    });
+    let acceleration = trajectory.odd_acceleration().map(|odd| Doubt::Accelerations {
+        place: place(&odd),
+        given: odd.given,
+        moved: odd.moved,
+    });
+    let doubts = velocity.into_iter().chain(acceleration).collect();
     let sha256 = sha256_hex(bytes);
     Ok(UserPath { name: name.to_owned(), path, joints: Some(q), doubts, sha256 })
 }

@@ -139,6 +139,15 @@ pub enum Doubt {
         /// As the positions before and after say, rad/s or m/s.
         moved: f64,
     },
+    /// A file's accelerations do not belong to its velocities.
+    Accelerations {
+        /// Where.
+        place: String,
+        /// As given, rad/s^2 or m/s^2.
+        given: f64,
+        /// As the velocities before and after say, rad/s^2 or m/s^2.
+        moved: f64,
+    },
 }
 
 impl Doubt {
@@ -183,8 +192,8 @@ impl Doubt {
             Self::Cycles { needed_s, .. } => {
                 format!("at most {:.2} cycles a minute fit", 60.0 / needed_s)
             }
-            Self::Velocities { .. } => {
-                "the positions count; remove the velocities or make them those of the positions"
+            Self::Velocities { .. } | Self::Accelerations { .. } => {
+                "the positions count; remove the other values or make them those of the positions"
                     .into()
             }
         }
@@ -258,6 +267,11 @@ impl fmt::Display for Doubt {
                 f,
                 "{place}: the file gives a velocity of {given:.3}, but the positions move at {moved:.3}; \
                  the velocities were not checked"
+            ),
+            Self::Accelerations { place, given, moved } => write!(
+                f,
+                "{place}: the file gives an acceleration of {given:.3}, but the velocities change by \
+                 {moved:.3} a second; the accelerations were not checked"
             ),
         }
     }

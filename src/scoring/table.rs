@@ -47,9 +47,8 @@ pub fn score_table(
         )
         .map_err(written)?;
     let mut rows = 0;
-    for record in reader.records() {
-        let record = record.map_err(|e| text.broken(path, &e))?;
-        let line = text.line(&record);
+    for row in text.rows(path, &mut reader) {
+        let (line, record) = row?;
         let mut values = [0.0; 26];
         for (k, &column) in inputs.iter().enumerate() {
             values[k] = value(path, line, Worksheet::COLUMNS[k], record[column].trim(), &text)?;

@@ -45,8 +45,8 @@ const ARGUMENTS: [&str; 24] = [
     "--force-color-profile=srgb",
     "--metrics-recording-only",
     "--no-default-browser-check",
-    // Nothing is found by name, so that a request could only fail.
-    "--host-resolver-rules=MAP * ~NOTFOUND",
+    // Nothing but this machine is found, so that any other request could only fail.
+    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
 ];
 
 /// An open page.
@@ -181,12 +181,17 @@ impl Session {
 
     /// Opens a file and waits until it is loaded.
     pub(crate) fn open(&self, file: &Path) {
+        self.visit(&format!("file://{}", file.display()));
+    }
+
+    /// Opens an address and waits until it is loaded.
+    pub(crate) fn visit(&self, url: &str) {
         let loads = || *self.seen.loads.lock().unwrap();
         let before = loads();
-        self.call("Page.navigate", &json!({ "url": format!("file://{}", file.display()) }));
+        self.call("Page.navigate", &json!({ "url": url }));
         let until = Instant::now() + PATIENCE;
         while loads() == before {
-            assert!(Instant::now() < until, "{} is never loaded", file.display());
+            assert!(Instant::now() < until, "{url} is never loaded");
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -299,6 +304,13 @@ impl Session {
         let step = info.color_type.samples();
         let rgb = bytes[..info.buffer_size()].chunks(step).map(|p| [p[0], p[1], p[2]]).collect();
         Picture { width: info.width as usize, rgb }
+    }
+
+    /// Keeps a picture of the window where the tests are asked to.
+    pub(crate) fn keep(&self, name: &str) {
+        let Some(folder) = std::env::var_os("ERGOPATH_SCREENSHOTS") else { return };
+        let shot = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
+        std::fs::write(Path::new(&folder).join(format!("{name}.png")), decoded(&shot)).unwrap();
     }
 }
 

@@ -9,6 +9,7 @@
 mod driver;
 #[path = "../suite/skips.rs"]
 mod skips;
+mod watch;
 
 use driver::Session;
 use serde_json::Value;

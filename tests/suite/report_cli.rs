@@ -95,3 +95,51 @@ fn what_is_no_result_is_refused() {
     assert_refused(ergopath().arg("report").arg(room.path()), "is a folder without result.json");
     assert_refused(ergopath().arg("report").arg("nowhere"), "no such file");
 }
+
+/// The workbook holds what the tables beside it hold: numbers as numbers, texts as texts, no formulas.
+#[test]
+fn the_workbook_holds_the_tables() {
+    use calamine::{Data, Reader, Xlsx, open_workbook};
+    let (room, scenario) = workplace();
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    let name = text.lines().find(|l| l.starts_with("name = ")).unwrap();
+    std::fs::write(&scenario, text.replace(name, "name = \"=1+1\"")).unwrap();
+    plan(&room, &scenario, "out").assert().success();
+    let out = room.path().join("out");
+    let mut book: Xlsx<_> = open_workbook(out.join("report.xlsx")).unwrap();
+    let names = book.sheet_names();
+    assert_eq!(names[..3], ["About", "Paths", "Path 1"]);
+    let about = book.worksheet_range("About").unwrap();
+    assert_eq!(about.get_value((0, 0)), Some(&Data::String("=1+1".to_owned())));
+    let mut numbers = 0;
+    for name in &names[1..] {
+        assert!(book.worksheet_formula(name).unwrap().is_empty(), "{name}");
+        let file = match name.strip_prefix("Path ") {
+            Some(rank) => format!("paths/{rank}.csv"),
+            None => "candidates.csv".to_owned(),
+        };
+        let sheet = book.worksheet_range(name).unwrap();
+        let mut csv =
+            csv::ReaderBuilder::new().has_headers(false).from_path(out.join(&file)).unwrap();
+        let mut rows = 0;
+        for (r, record) in csv.records().enumerate() {
+            for (c, cell) in record.unwrap().iter().enumerate() {
+                match sheet.get_value((r as u32, c as u32)).unwrap_or(&Data::Empty) {
+                    Data::Empty => assert_eq!(cell, "", "{file} {r} {c}"),
+                    Data::String(text) => {
+                        assert_eq!(text, cell, "{file} {r} {c}");
+                        assert!(r == 0 || cell.parse::<f64>().is_err(), "{file} {r} {c}: {cell}");
+                    }
+                    Data::Float(value) => {
+                        assert_eq!(*value, cell.parse::<f64>().unwrap(), "{file} {r} {c}");
+                        numbers += 1;
+                    }
+                    other => panic!("{file} {r} {c}: {other:?}"),
+                }
+            }
+            rows += 1;
+        }
+        assert_eq!(sheet.height(), rows, "{file}");
+    }
+    assert!(numbers > 500, "{numbers}");
+}

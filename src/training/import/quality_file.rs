@@ -1,8 +1,7 @@
 //! `quality.csv` of an import: written, and read again beside its motions.
 
 use super::{Import, Residuals, SegmentQuality};
-use crate::files::{InputError, read_bytes};
-use serde::Deserialize;
+use crate::files::{CsvText, InputError, read_bytes};
 use std::path::Path;
 
 /// Its name in the folder of an import.
@@ -32,21 +31,6 @@ pub struct QualityRow {
     pub run: usize,
     /// How near the body comes to it.
     pub quality: SegmentQuality,
-}
-
-/// A row as it stands in the file.
-#[derive(Deserialize)]
-struct Typed {
-    motion: String,
-    file: String,
-    run: usize,
-    segment: String,
-    constant_mm: f64,
-    scatter_median_mm: f64,
-    scatter_p95_mm: f64,
-    constant_deg: f64,
-    scatter_median_deg: f64,
-    scatter_p95_deg: f64,
 }
 
 impl Import {
@@ -85,23 +69,40 @@ impl Import {
 /// # Errors
 /// Where it cannot be read, or is no such table.
 pub fn read_quality(path: &Path) -> Result<Vec<QualityRow>, InputError> {
-    let bytes = read_bytes(path)?;
-    let mut table = csv::Reader::from_reader(bytes.as_slice());
-    let rows = table.deserialize().map(|row: Result<Typed, csv::Error>| {
-        let row = row.map_err(|e| {
-            let line = e.position().map_or(0, csv::Position::line);
-            InputError::new(path, format!("line {line} is no row of the quality of an import: {e}"))
-                .remedy("import the recordings again, into another folder")
+    let text = CsvText::of(path, &read_bytes(path)?)?;
+    let mut reader = text.reader();
+    let header = reader.headers().map_err(|e| text.broken(path, &e))?.clone();
+    let again = "import the recordings again, into another folder";
+    let mut places = [0; COLUMNS.len()];
+    for (place, name) in places.iter_mut().zip(COLUMNS) {
+        let found = header.iter().position(|h| h == name);
+        *place = found.ok_or_else(|| {
+            let message =
+                format!("holds no row of the quality of an import: column `{name}` is missing");
+            InputError::new(path, message).remedy(again)
         })?;
-        let residuals = |constant, median, p95| Residuals { constant, median, p95 };
+    }
+    let rows = text.rows(path, &mut reader).map(|row| {
+        let (line, record) = row?;
+        let cell = |i: usize| record.get(places[i]).unwrap_or_default().to_owned();
+        let unread = |i: usize| {
+            let column = COLUMNS[i];
+            let message = format!("line {line}, column `{column}`: `{}` is no number", cell(i));
+            InputError::new(path, message).remedy(again)
+        };
+        let residuals = |first: usize| -> Result<Residuals, InputError> {
+            let number = |i: usize| text.number(&cell(i)).ok_or_else(|| unread(i));
+            let (constant, median, p95) = (number(first)?, number(first + 1)?, number(first + 2)?);
+            Ok(Residuals { constant, median, p95 })
+        };
         Ok(QualityRow {
-            motion: row.motion,
-            file: row.file,
-            run: row.run,
+            motion: cell(0),
+            file: cell(1),
+            run: cell(2).parse().map_err(|_| unread(2))?,
             quality: SegmentQuality {
-                segment: row.segment,
-                place_mm: residuals(row.constant_mm, row.scatter_median_mm, row.scatter_p95_mm),
-                turn_deg: residuals(row.constant_deg, row.scatter_median_deg, row.scatter_p95_deg),
+                segment: cell(3),
+                place_mm: residuals(4)?,
+                turn_deg: residuals(7)?,
             },
         })
     });
