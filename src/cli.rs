@@ -2,7 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 the program itself failed (a full disk, say); 2 the input or the call is wrong
 //! (nothing is written); 3 finished, but no path is feasible (the report says why); 4 a batch finished,
-//! but some of its scenarios failed; 130 interrupted.
+//! but some of its cells failed; 5 a batch finished, but not every cell keeps its gate; 130 interrupted.
 
 /// Prints a line to standard output.
 macro_rules! say {
@@ -21,11 +21,15 @@ macro_rules! complain {
 mod adapt;
 mod bars;
 mod batch;
+mod batch_file;
+mod batch_list;
+mod batch_print;
 mod bench;
 mod bench_files;
 mod bench_print;
 mod body;
 mod check;
+mod check_batch;
 mod check_file;
 mod check_scenario;
 mod check_table;
@@ -98,7 +102,7 @@ enum Command {
     Assess(plan::AssessArgs),
     /// Scores a motion, sampled postures or filled-in worksheets by RULA and REBA.
     Score(Box<score::Args>),
-    /// Plans several scenarios and puts them into one table; one failure does not stop the others.
+    /// Runs a matrix of scenarios, fields, planners and seeds, or a list of scenarios, into one table.
     Batch(batch::BatchArgs),
     /// Makes the report of a finished run again, without planning.
     Report(report::Args),
@@ -137,6 +141,8 @@ enum Outcome {
     SomeFailed,
     /// By a signal, which is how a command ends that would go on for ever.
     Interrupted,
+    /// Of several runs: not each keeps the bounds that were asked for.
+    GateFailed,
 }
 
 impl Outcome {
@@ -146,6 +152,7 @@ impl Outcome {
             Self::NothingFeasible => 3,
             Self::SomeFailed => 4,
             Self::Interrupted => INTERRUPTED,
+            Self::GateFailed => 5,
         }
     }
 }

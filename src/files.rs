@@ -22,7 +22,7 @@ mod text;
 
 pub use delimited::CsvText;
 pub use error::{InputError, suggest};
-pub use inputs::{note_input, take_named_inputs};
+pub use inputs::{files_read, note_input, take_named_inputs};
 pub use marker::refuse_incomplete;
 pub use memory::{peak_memory_mib, restart_peak_memory};
 pub use number::null_as_nan;

@@ -25,6 +25,7 @@
 //!         ─ report                             ─► result.json, CSV, PNG, report.html
 //!
 //! score:  worksheets, recording or rollouts ─ scoring (survey, ergonomics) ─► sheets and sums
+//! batch:  batch file ─ batch ─► jobs, each planned or assessed once ─► tables, effects, gate ─ report ─► page
 //! bench:  ergobench draws stations and people, trains, plans, and judges by the people's truth
 //! ```
 //!
@@ -68,6 +69,7 @@
 //!
 //! Modules import only modules on lower floors; `tests/suite/layers.rs` holds the list and the guard.
 
+pub mod batch;
 pub mod cli;
 pub mod ergobench;
 pub mod ergonomics;

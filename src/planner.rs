@@ -69,7 +69,7 @@ pub use objective::Figures;
 pub use pipeline::{assess, judge_truly, plan, plan_knowing};
 pub use preset::{MethodWeights, Objective, Preset, load_preset, planner_schema, preset_names};
 pub use refusal::{Hint, Refusal, RefusalKind, RefusedBy, RefusedGroup, Status};
-pub use request::{Checkpoint, PlanError, Request, Stage, Step};
+pub use request::{Checkpoint, PlanError, Request, Stage, Step, inputs_of};
 pub use result::*;
 pub use scene::*;
 pub use scored::MethodFigures;

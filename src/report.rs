@@ -8,6 +8,7 @@
 //!           ─► page*   report.html, with scene.js and sort.js in it
 //!           ─► one_page   one_page.html on page_decision
 //! several RunResults ─► comparison (_table, _page, _figure)   comparison.csv, comparison.html
+//! Finished (batch) ─► batch_page, batch_charts, with batch.js in it   batch.html
 //! CellLook ─► figure_cell   the cell before planning, PNG
 //! NamedGrip ─► figure_grips, figure_directions   how hands and tools are described, PNG
 //! scores of methods over repeats ─► figure_box, figure_growth on value_axis   PNG
@@ -24,6 +25,8 @@
 //!
 //! Bytes out, nothing else: no disk, no clock. The same result gives the same bytes.
 
+mod batch_charts;
+mod batch_page;
 mod comparison;
 mod comparison_figure;
 mod comparison_page;
@@ -82,6 +85,7 @@ mod view;
 mod watch_page;
 mod workbook;
 
+pub use batch_page::batch_page;
 pub use comparison::{
     ComparedBody, ComparedPath, ComparedRun, Comparison, NamedRun, Role, RowState, RunDifference,
     comparison,

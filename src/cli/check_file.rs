@@ -14,7 +14,7 @@ use crate::training::people::{PeopleFile, read_people_file};
 use crate::words::number::percent;
 use std::path::Path;
 
-const KNOWN: &str = "known are scenarios, planners, people and maps (TOML), bodies and robots (URDF), posture models and results \
+const KNOWN: &str = "known are scenarios, planners, batches, people and maps (TOML), bodies and robots (URDF), posture models and results \
                      (JSON), recordings (MVNX, BVH, AMC, OpenSim, folders, and with --map C3D, TRC and tables), JointTrajectory \
                      (YAML, JSON) and tables (CSV)";
 
@@ -62,6 +62,9 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
     if schema.starts_with("ergopath/planner/") {
         return planner(path);
     }
+    if schema.starts_with("ergopath/batch/") {
+        return super::check_batch::batch(path);
+    }
     if schema.starts_with("ergopath/people/") {
         return Ok(people(&read_people_file(path)?));
     }
@@ -73,7 +76,7 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
     let message = format!("has {found}, so it cannot be told what it is");
     Err(InputError::new(path, message).remedy(
         "a scenario begins with schema = \"ergopath/scenario/1\", a planner with schema = \"ergopath/planner/1\", \
-         a list of people with schema = \"ergopath/people/1\", a map of markers with schema = \"ergopath/map/1\"",
+         a batch with schema = \"ergopath/batch/1\", a list of people with schema = \"ergopath/people/1\", a map of markers with schema = \"ergopath/map/1\"",
     ))
 }
 
@@ -146,6 +149,14 @@ fn json(path: &Path) -> Result<Explained, InputError> {
         "score" => {
             return Ok(Explained::new("scores of a motion, written by `ergopath score`")
                 .saying(format!("program version {}", value["program_version"])));
+        }
+        "batch-run" => return super::check_batch::plan(path),
+        "cell" => {
+            return Ok(Explained::new("what one cell of a batch found").saying(format!(
+                "state {}, {} rows",
+                value["state"],
+                value["rows"].as_array().map_or(0, Vec::len)
+            )));
         }
         _ if value.get("joint_names").is_some() => return trajectory(path),
         _ => {}

@@ -35,7 +35,11 @@ fn signals() -> impl Iterator<Item = i32> {
 pub(super) struct Progress {
     bar: Mutex<(&'static str, ProgressBar)>,
     is_shown: bool,
+    template: &'static str,
 }
+
+const PLAIN: &str = "{msg:>26} {bar:40} {pos}/{len}";
+const WITH_TIME_LEFT: &str = "{msg:>26} {bar:40} {pos}/{len}, {eta} left";
 
 impl Progress {
     /// From now on a signal ends the run at the next item, before anything is written.
@@ -44,7 +48,13 @@ impl Progress {
         Self {
             bar: Mutex::new(("", ProgressBar::hidden())),
             is_shown: std::io::stderr().is_terminal(),
+            template: PLAIN,
         }
+    }
+
+    /// The same for items that take about as long each: it says how long the rest will take.
+    pub(super) fn with_time_left() -> Self {
+        Self { template: WITH_TIME_LEFT, ..Self::new() }
     }
 
     /// Notes where a stage stands; false once a signal asked for an end.
@@ -65,7 +75,7 @@ impl Progress {
         {
             if bar.0 != stage {
                 bar.1.finish_and_clear();
-                let style = ProgressStyle::with_template("{msg:>26} {bar:40} {pos}/{len}");
+                let style = ProgressStyle::with_template(self.template);
                 *bar = (stage, ProgressBar::new(total as u64));
                 if let Ok(style) = style {
                     bar.1.set_style(style);

@@ -1,6 +1,7 @@
 //! `ergopath schema`: JSON Schemas of the files that people write, for editors.
 
 use super::{Failure, Outcome};
+use crate::batch::batch_schema;
 use crate::files::{InputError, Outputs};
 use crate::planner::planner_schema;
 use crate::scenario::scenario_schema;
@@ -24,6 +25,8 @@ enum Kind {
     Scenario,
     /// A planner's settings (TOML).
     Planner,
+    /// Many runs (TOML).
+    Batch,
 }
 
 impl Kind {
@@ -31,6 +34,7 @@ impl Kind {
         match self {
             Self::Scenario => "scenario",
             Self::Planner => "planner",
+            Self::Batch => "batch",
         }
     }
 
@@ -38,6 +42,7 @@ impl Kind {
         let mut schema = match self {
             Self::Scenario => scenario_schema(),
             Self::Planner => planner_schema(),
+            Self::Batch => batch_schema(),
         };
         // By this a schema is known as one that may be replaced (`files::signature`).
         schema["$comment"] = "ergopath/schema/1".into();

@@ -1,5 +1,6 @@
 //! What this process has read: no output of the same call may land on it.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -9,6 +10,11 @@ type Names = Mutex<BTreeSet<PathBuf>>;
 static READ: Names = Mutex::new(BTreeSet::new());
 /// Every name that was asked for, whether there was a file or not.
 static NAMED: Names = Mutex::new(BTreeSet::new());
+
+thread_local! {
+    /// What this thread reads while it is asked; none while it is not.
+    static NOTED: RefCell<Option<BTreeSet<PathBuf>>> = const { RefCell::new(None) };
+}
 
 fn open(names: &'static Names) -> MutexGuard<'static, BTreeSet<PathBuf>> {
     names.lock().unwrap_or_else(PoisonError::into_inner)
@@ -23,6 +29,7 @@ pub fn note_input(path: &Path) {
     if let Ok(whole) = path.canonicalize()
         && whole.is_file()
     {
+        NOTED.with_borrow_mut(|noted| noted.as_mut().map(|n| n.insert(whole.clone())));
         open(&READ).insert(whole);
     }
 }
@@ -31,6 +38,14 @@ pub fn note_input(path: &Path) {
 /// them may be another when they change. Links are not followed.
 pub fn take_named_inputs() -> Vec<PathBuf> {
     std::mem::take(&mut *open(&NAMED)).into_iter().collect()
+}
+
+/// Does some work, and tells which files this thread has read in it: whole paths without links. What other
+/// threads read for it is not told.
+pub fn files_read<T>(work: impl FnOnce() -> T) -> (T, BTreeSet<PathBuf>) {
+    let before = NOTED.replace(Some(BTreeSet::new()));
+    let done = work();
+    (done, NOTED.replace(before).unwrap_or_default())
 }
 
 /// Whether a file is one that was read, under whichever of its names.
@@ -56,6 +71,22 @@ pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_thread_reads_is_told() {
+        let room = tempfile::tempdir().unwrap();
+        let [a, b] = ["a", "b"].map(|n| room.path().canonicalize().unwrap().join(n));
+        for file in [&a, &b] {
+            std::fs::write(file, "x").unwrap();
+        }
+        note_input(&a);
+        let (inner, files) = files_read(|| {
+            note_input(&b);
+            std::thread::scope(|s| s.spawn(|| note_input(&a)).join().unwrap());
+            files_read(|| note_input(&a)).1
+        });
+        assert_eq!((inner.len(), files), (1, [b].into()));
+    }
 
     #[test]
     fn an_input_is_known_by_all_its_names() {

@@ -128,7 +128,7 @@ pub enum PlanError {
 }
 
 /// (name, SHA-256) of every input of a run.
-pub(super) fn inputs_of(scenario: &Scenario) -> Vec<(String, String)> {
+pub fn inputs_of(scenario: &Scenario) -> Vec<(String, String)> {
     let mut inputs = vec![(scenario.file.clone(), scenario.sha256.clone())];
     inputs.push((scenario.worker.model.name.clone(), scenario.worker.model_sha256.clone()));
     let worker = &scenario.worker;

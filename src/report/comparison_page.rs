@@ -121,7 +121,7 @@ fn runs(comparison: &Comparison, rows: &[&ComparedRun]) -> Markup {
                     td.n { (score(best.expected_reba)) }
                     td.n {
                         (against_words(body.against.as_ref()))
-                        @if let Some(d) = &body.against { (whisker(d, widest)) }
+                        @if let Some(d) = &body.against { (whisker(d.mean, [d.low95, d.high95], widest)) }
                     }
                     td.n { (percent(best.reach_exceeded)) }
                 }
@@ -145,9 +145,9 @@ fn against_words(difference: Option<&RunDifference>) -> Markup {
 }
 
 /// The interval of a difference about a line at zero, `widest` at each end.
-fn whisker(d: &RunDifference, widest: f64) -> Markup {
+pub(super) fn whisker(mean: f64, [low, high]: [f64; 2], widest: f64) -> Markup {
     let at = |v: f64| format!("{:.1}", 70.0 + 64.0 * (v / widest).clamp(-1.0, 1.0));
-    let (low, high, mean) = (at(d.low95), at(d.high95), at(d.mean));
+    let (low, high, mean) = (at(low), at(high), at(mean));
     html! {
         svg width="140" height="22" viewBox="0 0 140 22" aria-hidden="true" {
             line x1="70" y1="1" x2="70" y2="21" stroke="#a0a8b4" stroke-width="1" {}
@@ -159,10 +159,17 @@ fn whisker(d: &RunDifference, widest: f64) -> Markup {
     }
 }
 
-/// A stacked bar with its numbers as text.
 fn bar(path: &ComparedPath) -> Markup {
     let levels = method_levels(ScoringMethod::Rula);
-    let shares: Vec<_> = levels.iter().map(|l| (l, l.share(&path.rula_at_least))).collect();
+    level_bar(|n| {
+        levels.iter().find(|l| l.number == n).map_or(0.0, |l| l.share(&path.rula_at_least))
+    })
+}
+
+/// A stacked bar of the shares of time by RULA action level, with its numbers as text.
+pub(super) fn level_bar(share: impl Fn(u8) -> f64) -> Markup {
+    let levels = method_levels(ScoringMethod::Rula);
+    let shares: Vec<_> = levels.iter().map(|l| (l, share(l.number))).collect();
     html! {
         div.bar aria-hidden="true" {
             @for (level, share) in &shares {

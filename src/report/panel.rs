@@ -126,7 +126,7 @@ pub(super) fn ticks((low, high): (f64, f64), most: usize) -> Vec<f64> {
 }
 
 /// A tick's number without needless zeros.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.replace('-', "\u{2212}") }

@@ -16,7 +16,7 @@
     if ((a.number === null) !== (b.number === null)) return a.number === null ? 1 : -1;
     return a.text.localeCompare(b.text, "en");
   };
-  for (const table of document.querySelectorAll("main table")) {
+  for (const table of document.querySelectorAll("main table:not(.map)")) {
     const body = table.tBodies[0];
     const headings = table.tHead ? [...table.tHead.rows[0].cells] : [];
     if (!body || body.rows.length < 2 || table.querySelector("[colspan], [rowspan]")) continue;

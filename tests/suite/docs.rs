@@ -29,6 +29,9 @@ const SCENARIO_TABLES: [(&str, &str); 15] = [
 /// The same for `docs/planners.md`.
 const PLANNER_TABLES: [(&str, &str); 2] = [("The file", ""), ("`[objective]`", "Objective")];
 
+/// The same for `docs/batches.md`.
+const BATCH_TABLES: [(&str, &str); 1] = [("The batch file", "")];
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -210,6 +213,7 @@ fn assert_tables(kind: &str, page: &str, tables: &[(&str, &str)]) {
 fn the_tables_of_keys_are_those_of_the_formats() {
     assert_tables("scenario", "scenarios.md", &SCENARIO_TABLES);
     assert_tables("planner", "planners.md", &PLANNER_TABLES);
+    assert_tables("batch", "batches.md", &BATCH_TABLES);
 }
 
 /// What `docs/figures.py` measured: groups of steps, values and transcripts.

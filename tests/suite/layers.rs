@@ -16,6 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["scenario", "training"],
     &["planner", "scoring"],
     &["words"],
+    &["batch"],
     &["report", "ergobench"],
     &["cli"],
 ];

@@ -14,6 +14,7 @@ mod common;
 mod skips;
 
 mod agreement;
+mod batch_cli;
 mod bvh_cli;
 mod check_cli;
 mod compare_cli;

@@ -60,6 +60,29 @@ fn shipped_files_are_valid_and_misspelt_ones_are_not() {
 }
 
 #[test]
+fn the_shipped_batch_is_valid_and_a_misspelt_one_is_not() {
+    let validator = schema("batch");
+    let files = shipped("scenarios/batch");
+    let is_batch = |v: &Value| v["schema"] == "ergopath/batch/1";
+    let batches: Vec<Value> = files.iter().map(|f| as_json(f)).filter(is_batch).collect();
+    assert!(!batches.is_empty());
+    for value in batches {
+        let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
+        assert!(errors.is_empty(), "{errors:?}");
+        let broken = [
+            ("colour", "red".into()),
+            ("mode", "guess".into()),
+            ("scenarios", Value::Array(vec![])),
+        ];
+        for (key, wrong) in broken {
+            let mut strange = value.clone();
+            strange[key] = wrong;
+            assert!(!validator.is_valid(&strange), "{key}");
+        }
+    }
+}
+
+#[test]
 fn a_schema_tells_units_and_choices() {
     let output = ergopath().args(["schema", "scenario"]).assert().get_output().stdout.clone();
     let schema: Value = serde_json::from_slice(&output).unwrap();
@@ -90,7 +113,7 @@ fn a_schema_tells_units_and_choices() {
 fn schemas_completions_and_manuals_are_written() {
     let room = tempfile::tempdir().unwrap();
     ergopath().args(["schema", "-o"]).arg(room.path()).assert().success();
-    for kind in ["scenario", "planner"] {
+    for kind in ["scenario", "planner", "batch"] {
         let text =
             std::fs::read_to_string(room.path().join(format!("{kind}.schema.json"))).unwrap();
         serde_json::from_str::<Value>(&text).unwrap();
