@@ -54,11 +54,11 @@ pub(super) fn still(view: &View) -> Result<Option<(Vec<u8>, Shown)>, ReportError
     let fine = (SIZE.0 * FINER, SIZE.1 * FINER);
     let mut canvas = Canvas::new(eye(fine), fine);
     parts.draw(&mut canvas);
+    let [low, high] = parts.bounds;
+    canvas.floor(0.5 * (low + high), 0.9 * (high - low).xy().norm().max(1.0));
     for ghost in &parts.ghosts {
         canvas.veil(ghost, parts.cell.len(), GHOST.0, GHOST.1);
     }
-    let [low, high] = parts.bounds;
-    canvas.floor(0.5 * (low + high), 0.9 * (high - low).xy().norm().max(1.0));
     let small = eye(SIZE);
     let drawn = png_over("still", SIZE, canvas.finish(), |sheet| {
         let setting = &view.result.setting;

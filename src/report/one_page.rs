@@ -14,9 +14,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 /// What differs from the style of the other pages.
 const SHEET_CSS: &str = include_str!("one_page.css");
 /// Rows that fit on the sheet.
-const MOST_PATHS: usize = 5;
-const MOST_CHANGES: usize = 4;
-const MOST_CAUTIONS: usize = 4;
+const MOST_PATHS: usize = 4;
+const MOST_CHANGES: usize = 3;
+const MOST_CAUTIONS: usize = 3;
 
 /// The sheet.
 pub(super) fn one_page(view: &View) -> Result<String, ReportError> {

@@ -308,6 +308,8 @@ pub(super) fn model(view: &View) -> Markup {
             dt { "Method" } dd { code { (m.method) } }
             dt { "Body" } dd { (ticked(&words::setting::learned_on(m))) }
         }
+        details {
+        summary { "How it was learned, and its quality" }
         @if !m.weight_by_group.is_empty() {
             h3 { "How the body shares the movement" }
             p.note { "Weight of each joint group in the method's weight matrix W: the larger its share, the more of a free movement it takes over." }
@@ -344,6 +346,7 @@ pub(super) fn model(view: &View) -> Markup {
             }
         }
         @if !m.notes.is_empty() { h3 { "Notes of the training" } (list(&m.notes)) }
+        }
     }
 }
 
@@ -377,7 +380,8 @@ fn planner(view: &View) -> Markup {
     let s = &view.result.planner;
     let sum = words::verdict::objective(&s.objective);
     html! {
-        h3 { "Planner " (s.name) }
+        details {
+        summary { "Settings of the planner " (s.name) }
         dl.pairs {
             dt { "Objective" } dd { (sum) " (minimised)" }
             dt { "Candidates" }
@@ -386,6 +390,7 @@ fn planner(view: &View) -> Markup {
             dt { "Repetitions" }
             dd { (s.rollouts_first) " to " (s.rollouts_most) " per path in the search, " (s.rollouts_final) " in the selection and as many fresh ones in this report" }
             dt { "Shortlist" } dd { (s.shortlist) " paths, and always the straight path and your own" }
+        }
         }
     }
 }

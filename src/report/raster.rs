@@ -231,7 +231,7 @@ impl Canvas {
     }
 
     /// The floor, its grid and the shadows on it, where nothing stands; from `middle` (m) it fades away
-    /// over `reach` (m).
+    /// over `reach` (m). Veils come after it.
     pub(super) fn floor(&mut self, middle: Vec3, reach: f64) {
         let grid = rgb(GRID).map(|c| 0.88 * c);
         for y in 0..self.height {
