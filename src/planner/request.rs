@@ -140,6 +140,6 @@ pub fn inputs_of(scenario: &Scenario) -> Vec<(String, String)> {
     inputs.extend(worker.bodies.iter().zip(&worker.members).map(body));
     inputs.extend(scenario.paths.iter().map(|p| (p.name.clone(), p.sha256.clone())));
     inputs.extend(scenario.meshes.iter().map(|m| (m.facts.file.clone(), m.facts.sha256.clone())));
-    inputs.extend(scenario.robot.meshes().iter().cloned());
+    inputs.extend(scenario.robot.files().cloned());
     inputs
 }

@@ -48,10 +48,9 @@ pub(super) fn one_page(view: &View) -> Result<String, ReportError> {
                     @if let Some(body) = words::verdict::lead_scores(view.result) { (decision::keys(body)) }
                     (paths(view))
                     div.columns {
-                        div { (changes(view)) }
+                        div { (changes(view)) (checked(view)) }
                         div { (cautions(view)) }
                     }
-                    (checked(view))
                 }
                 footer { (provenance(view)) }
             }

@@ -87,9 +87,12 @@ pub(super) fn verification(view: &View) -> Markup {
             h3 { "Simulated repetitions" @if lead.bodies.len() > 1 { " (" (body.body) ")" } }
             (trust(body))
         }
-        (searched(view))
-        (thresholds(view))
         (near_people(lead, &view.result.setting.robot))
+        details {
+            summary { "What was searched, and moved thresholds" }
+            (searched(view))
+            (thresholds(view))
+        }
     }
 }
 

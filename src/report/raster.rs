@@ -198,23 +198,31 @@ impl Canvas {
             if twice_area.abs() < 1e-9 {
                 continue;
             }
-            let range = |axis: usize, end: usize| {
-                let all = [a[axis], b[axis], c[axis]];
+            let rows = {
+                let all = [a[1], b[1], c[1]];
                 let low = all.iter().copied().fold(f64::INFINITY, f64::min).floor();
                 let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
-                low.clamp(0.0, end as f64) as usize..high.clamp(0.0, end as f64) as usize
+                let end = self.height as f64;
+                low.clamp(0.0, end) as usize..high.clamp(0.0, end) as usize
             };
-            for y in range(1, self.height) {
-                for x in range(0, self.width) {
-                    let p = [x as f64 + 0.5, y as f64 + 0.5];
-                    let w =
-                        [cross(p, b, c), cross(a, p, c), cross(a, b, p)].map(|v| v / twice_area);
-                    if w.iter().all(|v| *v >= 0.0) {
-                        let near = w[0] * t[0].near + w[1] * t[1].near + w[2] * t[2].near;
-                        let light = w[0] * t[0].light + w[1] * t[1].light + w[2] * t[2].light;
-                        let at = y * self.width + x;
-                        visit(&mut self.pixels[at], at, near as f32, light as f32);
-                    }
+            // Weights of the corners are linear along a row: where all are positive, the row is inside.
+            let slopes = [b[1] - c[1], c[1] - a[1], a[1] - b[1]].map(|v| v / twice_area);
+            let along = |of: fn(&Corner) -> f64| {
+                t.iter().zip(slopes).map(|(corner, slope)| of(corner) * slope).sum::<f64>()
+            };
+            let (near_step, light_step) = (along(|c| c.near), along(|c| c.light));
+            for y in rows {
+                let p = [0.5, y as f64 + 0.5];
+                let w = [cross(p, b, c), cross(a, p, c), cross(a, b, p)].map(|v| v / twice_area);
+                let Some(columns) = inside(&w, &slopes, self.width) else { continue };
+                let at_left = |of: fn(&Corner) -> f64| {
+                    t.iter().zip(w).map(|(corner, w)| of(corner) * w).sum::<f64>()
+                };
+                let (near, light) = (at_left(|c| c.near), at_left(|c| c.light));
+                for x in columns {
+                    let (right, at) = (x as f64, y * self.width + x);
+                    let near = (near + right * near_step) as f32;
+                    visit(&mut self.pixels[at], at, near, (light + right * light_step) as f32);
                 }
             }
         }
@@ -272,6 +280,21 @@ impl Canvas {
         }
         bytes
     }
+}
+
+/// The columns of a row in which weights, given at its first column with their slopes, are all positive.
+fn inside(w: &[f64; 3], slopes: &[f64; 3], width: usize) -> Option<std::ops::Range<usize>> {
+    let (mut low, mut high) = (0.0_f64, width as f64 - 1.0);
+    for (w, slope) in w.iter().zip(slopes) {
+        if *slope > 0.0 {
+            low = low.max((-w / slope).ceil());
+        } else if *slope < 0.0 {
+            high = high.min((-w / slope).floor());
+        } else if *w < 0.0 {
+            return None;
+        }
+    }
+    (low <= high).then(|| low as usize..high as usize + 1)
 }
 
 /// Twice the area of a triangle, signed.

@@ -4,7 +4,7 @@ use super::body::{Part, mark_wrist};
 use super::check::LimitKind;
 use super::collide::SelfPairs;
 use super::link_shapes::{AssumedShapes, LinkShapes, MissingMesh};
-use crate::files::{InputError, read_text, suggest};
+use crate::files::{InputError, read_text, sha256_hex, suggest};
 use crate::kinematics::{Linkage, LinkageError, Model, Tip, parse_urdf};
 use crate::math::Pose;
 use serde::{Deserialize, Serialize};
@@ -144,6 +144,8 @@ pub struct Robot {
     pub(super) parts: Vec<Part>,
     /// Links that stand as capsules of an assumed radius.
     pub(super) assumed_shapes: Option<AssumedShapes>,
+    /// Name and SHA-256 of the description, where it is a file of the user's.
+    pub(super) own_file: Option<(String, String)>,
     /// (address, SHA-256) of the meshes to which capsules were fitted.
     pub(super) meshes: Vec<(String, String)>,
     pub(super) self_pairs: SelfPairs,
@@ -161,7 +163,11 @@ impl Robot {
     /// The robot stands in the world's origin. Limits of velocity and acceleration that the file does
     /// not give are stand-ins until set.
     pub fn from_urdf(path: &Path, base: &str, tcp: &str) -> Result<Self, InputError> {
-        Self::from_text(path, &read_text(path)?, base, tcp)
+        let text = read_text(path)?;
+        let mut robot = Self::from_text(path, &text, base, tcp)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        robot.own_file = Some((name, sha256_hex(text.as_bytes())));
+        Ok(robot)
     }
 
     pub(super) fn from_text(
@@ -211,6 +217,7 @@ impl Robot {
             held,
             parts,
             assumed_shapes: shapes.assumed,
+            own_file: None,
             meshes: shapes.files,
             self_pairs: SelfPairs::default(),
             file: path.to_owned(),

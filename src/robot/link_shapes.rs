@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(fitted.assumed_shapes(), None);
         let is_fitted = |n: &RobotNote| matches!(n, RobotNote::FittedCapsules { links, .. } if links.len() == 7);
         assert!(fitted.notes.iter().any(is_fitted), "{:?}", fitted.notes);
-        assert_eq!(fitted.meshes().len(), simple.parts.len());
+        assert_eq!(fitted.meshes.len(), simple.parts.len());
         for sample in 0..60 {
             let q = random_posture(&simple.limits, 5, 0, sample);
             let wall = wall(0.2 + 0.02 * f64::from(sample));
@@ -330,7 +330,7 @@ mod tests {
         assert!((0.06..0.12).contains(&shapes.radius_m), "{shapes:?}");
         let near = min_clearance(&robot, &[0.0; 6], &wall(0.6)).unwrap();
         assert!(near.distance_m < 0.0, "{near:?}");
-        assert!(robot.meshes().is_empty());
+        assert!(robot.meshes.is_empty());
     }
 
     #[test]

@@ -149,9 +149,10 @@ impl Robot {
         self.assumed_shapes.as_ref()
     }
 
-    /// (address in the URDF, SHA-256) of the meshes to which capsules were fitted.
-    pub fn meshes(&self) -> &[(String, String)] {
-        &self.meshes
+    /// Name and SHA-256 of every file that the robot was read from, unless it ships with ergopath: its description,
+    /// then the meshes to which capsules were fitted.
+    pub fn files(&self) -> impl Iterator<Item = &(String, String)> {
+        self.own_file.iter().chain(&self.meshes)
     }
 
     /// What of the arm's collision with itself is checked.
@@ -237,6 +238,21 @@ mod tests {
             <origin xyz="0 0 1"/><axis xyz="0 0 1"/></joint></robot>"#
         );
         Robot::from_text(Path::new("two.urdf"), &text, "base", "arm").unwrap()
+    }
+
+    #[test]
+    fn the_file_of_a_robot_of_ones_own_is_known() {
+        let room = tempfile::tempdir().unwrap();
+        let file = room.path().join("arm.urdf");
+        let text = include_str!("../../models/robot/ur5e.urdf");
+        let files = |text: &str| -> Vec<(String, String)> {
+            std::fs::write(&file, text).unwrap();
+            Robot::from_urdf(&file, "base_link", "tool0").unwrap().files().cloned().collect()
+        };
+        let before = files(text);
+        assert_eq!(before, [("arm.urdf".to_owned(), crate::files::sha256_hex(text.as_bytes()))]);
+        assert_ne!(files(&text.replace("0.1333", "0.1334")), before);
+        assert_eq!(Robot::preset("ur5e").unwrap().files().count(), 0);
     }
 
     #[test]
