@@ -43,6 +43,7 @@ pub(super) struct AssessArgs {
 
 /// Options of both commands.
 #[derive(Debug, Clone, clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub(super) struct Common {
     /// Folder to write; only files that ergopath wrote there are replaced.
     #[arg(short, long, value_name = "DIR")]

@@ -151,10 +151,10 @@ impl Parts {
             .map(|o| (vec![Solid::obstacle(&o.shape)], OBSTACLE))
             .collect();
         let first_seen = cell.len();
-        if let Some(robot) = &moment.motion.robot {
-            if let Some(points) = moment.points(&robot.track, moment.motion.samples.len()) {
-                cell.push((solids(robot.capsules.iter(), &points), ROBOT));
-            }
+        if let Some(robot) = &moment.motion.robot
+            && let Some(points) = moment.points(&robot.track, moment.motion.samples.len())
+        {
+            cell.push((solids(robot.capsules.iter(), &points), ROBOT));
         }
         if let Some(straight) = view.straight {
             cell.push((dashes(&tcp(straight)), INK));
@@ -243,11 +243,11 @@ fn tcp(candidate: &CandidateResult) -> Vec<Vec3> {
 fn tube(points: &[Vec3]) -> Vec<Solid> {
     let mut kept: Vec<Vec3> = Vec::new();
     for p in points {
-        if kept.last().is_none_or(|last| (p - last).norm() > TUBE_M) {
+        if kept.last().is_none_or(|last| (p - last).norm() > 2.0 * TUBE_M) {
             kept.push(*p);
         }
     }
-    kept.windows(2).map(|w| Solid::capsule([w[0], w[1]], TUBE_M)).collect()
+    kept.windows(2).map(|w| Solid::wire([w[0], w[1]], TUBE_M)).collect()
 }
 
 /// The same, dashed by length.
@@ -266,7 +266,7 @@ fn dashes(points: &[Vec3]) -> Vec<Solid> {
             let to = (from + left.max(1e-6)).min(length);
             if is_drawn {
                 let at = |s: f64| a + (b - a) * (s / length);
-                solids.push(Solid::capsule([at(from), at(to)], TUBE_M));
+                solids.push(Solid::wire([at(from), at(to)], TUBE_M));
             }
             from = to;
         }

@@ -166,11 +166,11 @@ pub(super) fn list(lines: &[String]) -> Markup {
 }
 
 pub(super) fn figure(png: &[u8], alt: &str, caption: &str) -> Markup {
-    picture(png, alt, html! { (caption) })
+    picture(png, alt, &html! { (caption) })
 }
 
 /// A figure whose caption is more than words.
-pub(super) fn picture(png: &[u8], alt: &str, caption: Markup) -> Markup {
+pub(super) fn picture(png: &[u8], alt: &str, caption: &Markup) -> Markup {
     html! {
         figure {
             img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(alt);

@@ -43,7 +43,7 @@ fn still(figures: &Figures) -> Markup {
         return picture(
             &figures.paths,
             "The cell from the side, from the front and from above, with start, goal and obstacles.",
-            html! { "The cell as the scenario describes it." },
+            &html! { "The cell as the scenario describes it." },
         );
     };
     let levels = method_levels(ScoringMethod::Rula);
@@ -53,7 +53,7 @@ fn still(figures: &Figures) -> Markup {
     picture(
         png,
         "The worker with the robot in the cell, in three dimensions, at the hardest moment of the path.",
-        html! {
+        &html! {
             "The hardest moment on average, at " (format!("{:.2}", shown.time_s)) " s: a typical repetition"
             @if shown.ghosts > 0 { ", and " (shown.ghosts) " others as shadows of it" }
             ". The shirt has the colour of its action level: "

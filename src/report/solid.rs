@@ -7,8 +7,18 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use std::f64::consts::{PI, TAU};
 
 /// Corners around a section, and sections from pole to pole.
-const AROUND: usize = 28;
-const UP: usize = 16;
+#[derive(Debug, Clone, Copy)]
+struct Fineness {
+    around: usize,
+    up: usize,
+}
+
+/// Of bodies and obstacles.
+const FINE: Fineness = Fineness { around: 28, up: 16 };
+/// Of what is a few millimetres thick.
+const COARSE: Fineness = Fineness { around: 8, up: 4 };
+/// Sides of a cylinder.
+const SIDES: usize = 48;
 
 /// A surface of triangles.
 #[derive(Debug, Clone, Default)]
@@ -21,16 +31,17 @@ pub(super) struct Solid {
 
 impl Solid {
     /// The surface of a convex shape, from the point that is farthest in each direction.
-    fn convex(farthest: impl Fn(&Vec3) -> Vec3) -> Self {
+    fn convex(fineness: Fineness, farthest: impl Fn(&Vec3) -> Vec3) -> Self {
+        let Fineness { around, up } = fineness;
         let direction = |i: usize, j: usize| {
-            let (sin, cos) = (PI * i as f64 / UP as f64).sin_cos();
-            let (s, c) = (TAU * j as f64 / AROUND as f64).sin_cos();
+            let (sin, cos) = (PI * i as f64 / up as f64).sin_cos();
+            let (s, c) = (TAU * j as f64 / around as f64).sin_cos();
             Vec3::new(sin * c, sin * s, cos)
         };
-        let all = (0..=UP).flat_map(|i| (0..AROUND).map(move |j| direction(i, j)));
+        let all = (0..=up).flat_map(|i| (0..around).map(move |j| direction(i, j)));
         let corners = all.map(|d| [farthest(&d), d]).collect();
-        let at = |i: usize, j: usize| i * AROUND + j % AROUND;
-        let cells = (0..UP).flat_map(|i| (0..AROUND).map(move |j| (i, j)));
+        let at = |i: usize, j: usize| i * around + j % around;
+        let cells = (0..up).flat_map(|i| (0..around).map(move |j| (i, j)));
         let triangles = cells.flat_map(|(i, j)| {
             [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
         });
@@ -40,12 +51,22 @@ impl Solid {
     /// A piece of a person or a robot, between its points.
     pub(super) fn piece(piece: &SceneCapsule, points: &[Vec3]) -> Self {
         let outline = Outline::of(piece, points);
-        Self::convex(|d| outline.farthest(d))
+        Self::convex(FINE, |d| outline.farthest(d))
     }
 
     /// All points within a radius of a segment.
     pub(super) fn capsule(ends: [Vec3; 2], radius: f64) -> Self {
-        Self::convex(|d| ends[usize::from((ends[1] - ends[0]).dot(d) > 0.0)] + d * radius)
+        Self::along(FINE, ends, radius)
+    }
+
+    /// The same of a thin line.
+    pub(super) fn wire(ends: [Vec3; 2], radius: f64) -> Self {
+        Self::along(COARSE, ends, radius)
+    }
+
+    fn along(fineness: Fineness, ends: [Vec3; 2], radius: f64) -> Self {
+        let farther = |d: &Vec3| ends[usize::from((ends[1] - ends[0]).dot(d) > 0.0)];
+        Self::convex(fineness, |d| farther(d) + d * radius)
     }
 
     /// Flat triangles, whatever way round they are; normals of corners are those of their triangle.
@@ -95,11 +116,11 @@ impl Solid {
             SceneShape::Cylinder { center_m, quaternion_wxyz, radius_m, length_m } => {
                 let (turn, middle) = (rotation(quaternion_wxyz), Vec3::from(*center_m));
                 let rim = |j: usize, up: f64| {
-                    let (sin, cos) = (TAU * j as f64 / (2 * AROUND) as f64).sin_cos();
+                    let (sin, cos) = (TAU * j as f64 / SIDES as f64).sin_cos();
                     middle + turn * Vec3::new(radius_m * cos, radius_m * sin, 0.5 * up * length_m)
                 };
                 let cap = |up: f64| middle + turn * Vec3::new(0.0, 0.0, 0.5 * up * length_m);
-                Self::flat((0..2 * AROUND).flat_map(|j| {
+                Self::flat((0..SIDES).flat_map(|j| {
                     let [a, b, c, d] =
                         [rim(j, -1.0), rim(j + 1, -1.0), rim(j + 1, 1.0), rim(j, 1.0)];
                     [[a, b, c], [a, c, d], [cap(1.0), d, c], [cap(-1.0), b, a]]

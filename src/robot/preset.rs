@@ -193,7 +193,7 @@ mod tests {
     }
 
     /// Product of turns about the axes as they lie at zero, each with a point on it.
-    fn by_axes(axes: [([f64; 3], [f64; 3]); 6], zero: Matrix4<f64>, q: &[f64]) -> Matrix4<f64> {
+    fn by_axes(axes: &[([f64; 3], [f64; 3]); 6], zero: Matrix4<f64>, q: &[f64]) -> Matrix4<f64> {
         let turn = |(axis, point): &([f64; 3], [f64; 3]), q: f64| {
             let to = Matrix4::new_translation(&Vec3::from(*point));
             let back = Matrix4::new_translation(&-Vec3::from(*point));
@@ -214,7 +214,7 @@ mod tests {
         ];
         let zero =
             Matrix4::new(0., 0., 1., 0.571, 0., 1., 0., 0., -1., 0., 0., 0.899, 0., 0., 0., 1.);
-        by_axes(axes, zero, q)
+        by_axes(&axes, zero, q)
     }
 
     fn crx10ial_by_axes(q: &[f64]) -> Matrix4<f64> {
@@ -230,7 +230,7 @@ mod tests {
         ];
         let zero =
             Matrix4::new(0., 0., 1., 0.7, 0., -1., 0., -0.15, 1., 0., 0., 0.955, 0., 0., 0., 1.);
-        by_axes(axes, zero, q)
+        by_axes(&axes, zero, q)
     }
 
     fn ur5e_by_table(q: &[f64]) -> Matrix4<f64> {

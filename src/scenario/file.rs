@@ -412,7 +412,7 @@ pub(super) struct HandGripFile {
 #[serde(deny_unknown_fields)]
 pub(super) struct RobotFile {
     /// A robot that is shipped: `panda`, `fr3`, `ur3e`, `ur5e`, `ur10e`, `ur20`,
-    /// `crb15000` (ABB GoFa 5/0.95), `crx10ial` (FANUC CRX-10iA/L).
+    /// `crb15000` (ABB's `GoFa` 5/0.95), `crx10ial` (FANUC CRX-10iA/L).
     #[schemars(with = "Option<String>", extend("enum" = crate::robot::PRESETS))]
     pub preset: Option<Spanned<String>>,
     /// URDF file instead of a preset.
