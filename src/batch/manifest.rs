@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 const MANIFEST_SCHEMA: &str = "ergopath/batch-run/1";
+/// Hexadecimal digits of a key, which is a SHA-256.
+const HASH_DIGITS: usize = 64;
 /// Digits of a key that name a folder.
 const SHORT: usize = 16;
 /// Folder of the cells.
@@ -167,7 +169,12 @@ impl Manifest {
                 && c.levels.len() == plan.factors.len()
                 && c.levels.iter().zip(&plan.factors).all(|(l, f)| *l < f.levels.len())
         };
-        if plan.schema != MANIFEST_SCHEMA || !plan.cells.iter().all(in_range) {
+        // Keys name folders: what is no hash could name any place.
+        let is_hash = |c: &CellPlan| {
+            c.key.len() == HASH_DIGITS && c.key.bytes().all(|b| b.is_ascii_hexdigit())
+        };
+        let is_sound = |c: &CellPlan| is_hash(c) && in_range(c);
+        if plan.schema != MANIFEST_SCHEMA || !plan.cells.iter().all(is_sound) {
             return Err(broken(format!("is not a plan of `{MANIFEST_SCHEMA}`")));
         }
         Ok(plan)
