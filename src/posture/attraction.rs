@@ -5,7 +5,15 @@
 //! c(x) = k(x, X) (K + s I)^-1 k(X, x)   (share of the prior variance that the data explain)
 //! ```
 //! `x` is the hand pose relative to the pelvis, `Q` the training postures, `k` a squared exponential
-//! on standardised features. Far from the training data `c` goes to 0 and the pull fades: t = c^2. Over
+//! on standardised features. Of several people `mu` is a trend (universal kriging): linear in the place of the
+//! hand, with another slope below the hips, so that somebody at a bench does not stoop because most recorded
+//! postures are those of people who reach down; and the variance about `m` grows with what is not known,
+//!
+//! ```text
+//! mu(x) = B' f(x)       f = (1, x, low, low x ahead, low x right)      B by generalised least squares
+//! g(x)  = (1 + o + s - c(x)) / (o + s)       o: what people and movements have of their own, over the signal
+//! ```
+//! Far from the training data `c` goes to 0 and the pull fades: t = c^2. Over
 //! a step in which the hand goes from x to x+ by ds metres, in h seconds, it moves the posture by
 //!
 //! ```text
@@ -14,6 +22,7 @@
 //! ```
 //! exactly, whatever the size of the step.
 
+use super::lowness::Lowness;
 use super::noise::speed_squared;
 use crate::math::dense::{Factor, transposed_product};
 use crate::math::pose::rotation_between;
@@ -34,6 +43,10 @@ const SMALLEST_SPREAD_M: f64 = 0.02;
 /// Assumed: values that served five recorded people in a prototype; others were not tried here.
 const PERSON: f64 = 0.2;
 const MOVEMENT: f64 = 0.5;
+
+/// Variance of the coefficients of a trend is not bounded; this, over their mean precision, keeps those that the
+/// data do not tell at zero.
+const TREND_RIDGE: f64 = 1e-6;
 
 /// Features of a hand pose: position over stature and rotation from a reference, standardised.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -113,11 +126,101 @@ pub struct Attraction {
     inputs: Vec<[f64; 6]>,
     origins: Vec<Origin>,
     postures: DMatrix<f64>,
-    mean: DVector<f64>,
+    mean: Mean,
     coefficients: DMatrix<f64>,
     factor: Option<Factor>,
     /// Whose postures are asked for; none for somebody else than those it was learned from.
     person: Option<usize>,
+}
+
+/// mu: what is expected where nobody was recorded.
+#[derive(Debug, Clone)]
+enum Mean {
+    /// The mean posture, n, rad.
+    Constant(DVector<f64>),
+    /// By the place of the hand.
+    Trend(Trend),
+}
+
+/// Linear in the place of the hand, and in another way below the hips.
+#[derive(Debug, Clone)]
+struct Trend {
+    bend: Bend,
+    /// The places in which it was learned, standardised: beyond them it stays as at their edge.
+    range: [(f64, f64); 3],
+    /// B, 7 x n, rad.
+    slopes: DMatrix<f64>,
+}
+
+/// From which height (over stature, rest frame) on a hand is low, and over what distance the slope counts as one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Bend {
+    from: f64,
+    per: f64,
+}
+
+impl Trend {
+    /// By generalised least squares over postures (N x n) whose kernel has this factor.
+    fn fit(
+        bend: Bend,
+        (features, inputs): (&HandFeatures, &[[f64; 6]]),
+        factor: &Factor,
+        postures: &DMatrix<f64>,
+    ) -> Option<Self> {
+        let range = std::array::from_fn(|i| {
+            let places = inputs.iter().map(|x| x[i]);
+            places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
+        });
+        let mut trend = Self { bend, range, slopes: DMatrix::zeros(7, postures.ncols()) };
+        let basis = trend.basis(features, inputs);
+        let white = factor.solve_lower(&basis);
+        let mut precision = white.tr_mul(&white);
+        let ridge = TREND_RIDGE * precision.trace() / 7.0;
+        precision += DMatrix::identity(7, 7) * ridge;
+        let wanted = white.tr_mul(&factor.solve_lower(postures));
+        trend.slopes = precision.cholesky()?.solve(&wanted);
+        Some(trend)
+    }
+
+    /// f of places, N x 7.
+    fn basis(&self, features: &HandFeatures, inputs: &[[f64; 6]]) -> DMatrix<f64> {
+        let rows = inputs.iter().map(|x| {
+            let [ahead, up, right] =
+                std::array::from_fn(|i| x[i].clamp(self.range[i].0, self.range[i].1));
+            let height = up * features.spread[1] + features.mean[1];
+            let low = ((self.bend.from - height) / self.bend.per).max(0.0);
+            nalgebra::RowDVector::from_row_slice(&[
+                1.0,
+                ahead,
+                up,
+                right,
+                low,
+                low * ahead,
+                low * right,
+            ])
+        });
+        DMatrix::from_rows(&rows.collect::<Vec<_>>())
+    }
+}
+
+impl Mean {
+    fn bend(&self) -> Option<Bend> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Trend(trend) => Some(trend.bend),
+        }
+    }
+
+    /// At places, N x n, rad.
+    fn at(&self, features: &HandFeatures, inputs: &[[f64; 6]]) -> DMatrix<f64> {
+        match self {
+            Self::Constant(mean) => {
+                DMatrix::from_fn(inputs.len(), mean.len(), |_, joint| mean[joint])
+            }
+            Self::Trend(trend) => trend.basis(features, inputs) * &trend.slopes,
+        }
+    }
 }
 
 /// Whose a training posture is, and of which of their movements.
@@ -144,6 +247,9 @@ struct Stored {
     /// Which of the people is the worker; none where that is somebody else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     person: Option<usize>,
+    /// Where the trend of several people bends; none where the mean posture is expected elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bend: Option<Bend>,
     postures_rad: DMatrix<f64>,
 }
 
@@ -153,7 +259,7 @@ impl From<Stored> for Attraction {
             s.pull,
             s.length_scale,
             s.noise_variance,
-            s.features,
+            (s.features, s.bend),
             (s.inputs, s.origins),
             s.postures_rad,
         );
@@ -171,6 +277,7 @@ impl From<Attraction> for Stored {
             inputs: a.inputs,
             origins: a.origins,
             person: a.person,
+            bend: a.mean.bend(),
             postures_rad: a.postures,
         }
     }
@@ -183,6 +290,9 @@ pub struct UsualPosture {
     pub posture: DVector<f64>,
     /// c(x) in [0, 1].
     pub confidence: f64,
+    /// g(x): by how much the variance about it exceeds that at a place of which everything is known; none where
+    /// the postures of all places are what is left to expect.
+    pub growth: Option<f64>,
 }
 
 impl UsualPosture {
@@ -213,12 +323,13 @@ impl Attraction {
         assert_eq!(hands.len(), postures.nrows(), "one hand pose for each posture");
         let features = HandFeatures::fit(hands, stature_m);
         let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
-        Self::assemble(pull, length_scale, noise, features, (inputs, Vec::new()), postures)
+        Self::assemble(pull, length_scale, noise, (features, None), (inputs, Vec::new()), postures)
     }
 
     /// The same of several people, by the hand's place alone: what one person, or one movement, has of its
     /// own is common to all of its postures, and none of it is expected of somebody else. `unit` is the
-    /// length-scale over the stature.
+    /// length-scale over the stature; the trend bends where hands begin to be low, and is the mean posture where
+    /// that is not known.
     ///
     /// # Panics
     /// When hands, postures and origins differ in number.
@@ -228,24 +339,25 @@ impl Attraction {
         origins: Vec<Origin>,
         stature_m: f64,
         (pull, unit, noise): (Pull, f64, f64),
+        lowness: Option<Lowness>,
     ) -> Self {
         assert_eq!(hands.len(), postures.nrows(), "one hand pose for each posture");
         assert_eq!(hands.len(), origins.len(), "one origin for each posture");
         let features = HandFeatures::of_places(hands, stature_m, unit);
         let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
-        Self::assemble(pull, 1.0, noise, features, (inputs, origins), postures)
+        let bend = lowness.map(|Lowness { from, to }| Bend { from, per: from - to });
+        Self::assemble(pull, 1.0, noise, (features, bend), (inputs, origins), postures)
     }
 
     fn assemble(
         pull: Pull,
         length_scale: f64,
         noise: f64,
-        features: HandFeatures,
+        (features, bend): (HandFeatures, Option<Bend>),
         (inputs, origins): (Vec<[f64; 6]>, Vec<Origin>),
         postures: DMatrix<f64>,
     ) -> Self {
         let count = inputs.len();
-        let mean = postures.row_mean().transpose();
         let own = |i: usize, j: usize| match (origins.get(i), origins.get(j)) {
             (Some(a), Some(b)) if a.person == b.person => {
                 PERSON + if a.movement == b.movement { MOVEMENT } else { 0.0 }
@@ -256,11 +368,13 @@ impl Attraction {
             let k = squared_exponential(&inputs[i], &inputs[j], length_scale) * (1.0 + own(i, j));
             if i == j { k + noise } else { k }
         });
-        let mut centred = postures.clone();
-        for mut row in centred.row_iter_mut() {
-            row -= mean.transpose();
-        }
         let factor = Factor::new(&kernel);
+        let trend = bend
+            .zip(factor.as_ref())
+            .and_then(|(bend, factor)| Trend::fit(bend, (&features, &inputs), factor, &postures));
+        let mean =
+            trend.map_or_else(|| Mean::Constant(postures.row_mean().transpose()), Mean::Trend);
+        let centred = &postures - mean.at(&features, &inputs);
         let coefficients = factor
             .as_ref()
             .map_or_else(|| DMatrix::zeros(count, postures.ncols()), |f| f.solve(&centred));
@@ -297,6 +411,7 @@ impl Attraction {
         origins.extend(movements.iter().map(|m| Origin { person, movement: before + m }));
         let rows: Vec<_> = self.postures.row_iter().chain(postures.row_iter()).collect();
         let all = DMatrix::from_rows(&rows);
+        let features = (features, self.mean.bend());
         let own = Self::assemble(pull, length_scale, noise, features, (inputs, origins), all);
         Some(Self { person: Some(person), ..own })
     }
@@ -306,7 +421,7 @@ impl Attraction {
     pub fn regressed(&self, change: impl FnOnce(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
         let Self { pull, length_scale, noise, features, inputs, origins, postures, person, .. } =
             self.clone();
-        let places = (inputs, origins);
+        let (features, places) = ((features, self.mean.bend()), (inputs, origins));
         let all = Self::assemble(pull, length_scale, noise, features, places, change(&postures));
         Self { person, ..all }
     }
@@ -419,11 +534,15 @@ impl Attraction {
         let off = transposed_product(&self.coefficients, &near);
         // k^T K^-1 k = |L^-1 k|^2
         let white = self.factor.as_ref().map(|f| f.solve_lower(&near));
+        let mean = self.mean.at(&self.features, x);
+        let own = PERSON + MOVEMENT + self.noise;
         let usual = |j: usize| {
             let explained = white.as_ref().map_or(0.0, |w| w.column(j).norm_squared());
+            let confidence = explained.clamp(0.0, 1.0);
             UsualPosture {
-                posture: &self.mean + off.column(j),
-                confidence: explained.clamp(0.0, 1.0),
+                posture: mean.row(j).transpose() + off.column(j),
+                confidence,
+                growth: self.mean.bend().map(|_| (1.0 + own - confidence) / own),
             }
         };
         (0..x.len()).map(usual).collect()
@@ -483,8 +602,11 @@ mod tests {
     fn a_pull_is_exact_whatever_the_steps() {
         // One joint, a usual posture that rises by 2 rad/m, a start 0.5 rad off it.
         let (_, _, mut model) = trained();
-        let usual =
-            |x: f64| UsualPosture { posture: DVector::from_element(1, 2.0 * x), confidence: 1.0 };
+        let usual = |x: f64| UsualPosture {
+            posture: DVector::from_element(1, 2.0 * x),
+            confidence: 1.0,
+            growth: None,
+        };
         let walk = |model: &Attraction, steps: usize, (length_m, time_s): (f64, f64)| {
             let mut q = DVector::from_element(1, 0.5);
             for k in 0..steps {
@@ -519,6 +641,85 @@ mod tests {
         assert_eq!(velocity([0.0; 6]).amax(), 0.0, "a hand that rests");
         let slow = velocity(twist.map(|v| 0.1 * v));
         assert_relative_eq!(velocity(twist), slow * 10.0, max_relative = 1e-3);
+    }
+
+    /// Three people, two movements each, who go ahead with the hand, and bend where it is below the hips; nobody
+    /// was seen with the hand between 0.1 and 0.5 m above them.
+    fn people() -> Attraction {
+        let heights = [-0.7, -0.55, -0.4, -0.25, -0.1, 0.0, 0.1, 0.5, 0.6, 0.7];
+        let (mut hands, mut rows, mut origins) = (Vec::new(), Vec::new(), Vec::new());
+        for movement in 0..6 {
+            for (k, height) in heights.iter().enumerate() {
+                let place = Vec3::new(
+                    0.2 + 0.04 * ((3 * k + movement) % 10) as f64,
+                    *height,
+                    0.03 * ((7 * k + 2 * movement) % 9) as f64,
+                );
+                hands.push(Pose::from_parts(place.into(), UnitQuaternion::identity()));
+                rows.push(nalgebra::RowDVector::from_row_slice(&usual_of_people(&place)));
+                origins.push(Origin { person: movement / 2, movement });
+            }
+        }
+        let pull = (Pull::Metre { length_m: 0.4 }, 0.15, 0.05);
+        let lowness = Some(Lowness { from: 0.0, to: -0.2 });
+        Attraction::of_people(&hands, DMatrix::from_rows(&rows), origins, 1.7, pull, lowness)
+    }
+
+    fn usual_of_people(place: &Vec3) -> [f64; 2] {
+        [0.5 * place.x, -1.2 * (-place.y).max(0.0) + 0.1]
+    }
+
+    #[test]
+    fn people_go_on_beyond_what_was_seen_as_they_did_beside_it() {
+        let model = people();
+        let at = |x: f64, y: f64, z: f64| model.usual_posture(&Pose::translation(x, y, z), 1.7);
+        // In the gap, and far to the side: upright, and not bent like most of the recorded postures.
+        for (x, y, z) in [(0.4, 0.3, 0.1), (0.3, 0.2, 2.0), (0.3, -0.4, 2.0)] {
+            let place = Vec3::new(x, y, z);
+            let found = at(x, y, z);
+            let off = found.posture - DVector::from_row_slice(&usual_of_people(&place));
+            assert!(off.amax() < 0.01, "{place:?}: {off}");
+        }
+        // Beyond the places that were seen as at their edge.
+        let (edge, beyond) = (at(0.56, 3.0, 0.1), at(5.0, 9.0, 0.1));
+        assert_relative_eq!(edge.posture, beyond.posture, epsilon = 1e-9);
+        // The variance as of a Gaussian process: all that is unknown far away, and what people have of their own
+        // where nothing is.
+        let (own, far) = (PERSON + MOVEMENT + 0.05, at(0.3, 0.2, 3.0));
+        assert!(far.confidence < 1e-6);
+        assert_relative_eq!(far.growth.unwrap(), (1.0 + own) / own, epsilon = 1e-5);
+        let known = at(0.3, -0.4, 0.1);
+        assert_relative_eq!(
+            known.growth.unwrap(),
+            (1.0 + own - known.confidence) / own,
+            epsilon = 1e-12
+        );
+        let back: Attraction =
+            serde_json::from_str(&serde_json::to_string(&model).unwrap()).unwrap();
+        let hand = Pose::translation(0.4, 0.3, 0.1);
+        assert_eq!(model.usual_posture(&hand, 1.7), back.usual_posture(&hand, 1.7));
+    }
+
+    #[test]
+    fn the_trend_is_that_of_generalised_least_squares() {
+        // Against the normal equations with the inverse of the kernel, on postures that no trend explains.
+        let model = people();
+        let noisy = model.regressed(|q| q.map(|v| v + (37.0 * v).sin()));
+        let Mean::Trend(trend) = &noisy.mean else { panic!("no trend") };
+        let count = noisy.inputs.len();
+        let kernel = DMatrix::from_fn(count, count, |i, j| {
+            let (a, b) = (noisy.origins[i], noisy.origins[j]);
+            let own = if a.person == b.person { PERSON } else { 0.0 }
+                + if a.movement == b.movement { MOVEMENT } else { 0.0 };
+            let k = squared_exponential(&noisy.inputs[i], &noisy.inputs[j], 1.0) * (1.0 + own);
+            if i == j { k + 0.05 } else { k }
+        });
+        let inverse = kernel.try_inverse().unwrap();
+        let basis = trend.basis(&noisy.features, &noisy.inputs);
+        let left = basis.transpose() * &inverse * &basis;
+        let right = basis.transpose() * inverse * &noisy.postures;
+        let exact = left.try_inverse().unwrap() * right;
+        assert_relative_eq!(trend.slopes, exact, epsilon = 1e-3);
     }
 
     #[test]

@@ -123,7 +123,7 @@ impl PostureDistribution {
     }
 
     /// Of the postures with the hand at a place where `usual` is, at a height (rest frame, over stature): the
-    /// more the training says of it, the less of the postures elsewhere.
+    /// more the training says of it, the narrower, or the less of the postures elsewhere.
     pub fn near(&self, usual: &UsualPosture, height: f64) -> Cow<'_, Self> {
         let Some(about) = &self.about_usual else { return Cow::Borrowed(self) };
         let about = match &self.low {
@@ -133,6 +133,10 @@ impl PostureDistribution {
             }
             None => Cow::Borrowed(about),
         };
+        if let Some(growth) = usual.growth {
+            let of_here = Self::anywhere(usual.posture.clone(), about.into_owned() * growth);
+            return Cow::Owned(Self { population: self.population, ..of_here });
+        }
         let known = usual.trust();
         let between = |here: f64, anywhere: f64| known * here + (1.0 - known) * anywhere;
         Cow::Owned(Self {
@@ -335,7 +339,8 @@ mod tests {
         };
         let posture = DVector::from_vec(vec![0.4, -0.2]);
         let at = |confidence: f64| {
-            all.near(&UsualPosture { posture: posture.clone(), confidence }, 0.0).into_owned()
+            let usual = UsualPosture { posture: posture.clone(), confidence, growth: None };
+            all.near(&usual, 0.0).into_owned()
         };
         let (unknown, half, known) = (at(0.0), at(0.5f64.sqrt()), at(1.0));
         assert_eq!((&unknown.mean, &unknown.covariance), (&all.mean, &all.covariance));
@@ -346,10 +351,14 @@ mod tests {
         let lowness = Lowness { from: 0.0, to: -0.2 };
         let low = Some(LowPostures { lowness, about_usual: DMatrix::identity(2, 2) * 0.3 });
         let all = PostureDistribution { low, ..all };
-        let usual = UsualPosture { posture, confidence: 1.0 };
+        let usual = UsualPosture { posture: posture.clone(), confidence: 1.0, growth: None };
         for (height, wanted) in [(0.1, 0.1), (-0.1, 0.2), (-0.5, 0.3)] {
             let found = all.near(&usual, height);
             assert!((found.covariance[(0, 0)] - wanted).abs() < 1e-12, "{height}");
         }
+        // With a trend: about the usual posture still, only wider.
+        let unsure = all.near(&UsualPosture { growth: Some(1.5), confidence: 0.6, ..usual }, 0.1);
+        assert_eq!(unsure.mean, posture);
+        assert!((unsure.covariance[(0, 0)] - 0.15).abs() < 1e-12);
     }
 }

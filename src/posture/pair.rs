@@ -61,6 +61,7 @@ impl Pair {
         UsualPosture {
             posture: self.joined(&first.posture, &second.posture),
             confidence: first.confidence.min(second.confidence),
+            growth: first.growth.zip(second.growth).map(|(a, b)| a.max(b)),
         }
     }
 

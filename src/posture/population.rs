@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! q = m(x) + L(x) (p + b)      L L^T: covariance about the usual posture m(x), x the place of the hand
-//! p ~ N(0, s I)                a person's own
-//! b ~ N(0, (1 - s) I)          of one repetition
+//! p ~ N(0, s (P + 1) / (P - 1) I)    a person's own
+//! b ~ N(0, (1 - s) I)                of one repetition
 //! ```
+//! The factor is what P people leave unknown of how people differ: of their mean, and of their variance.
+//!
 //! A person has a habit among the modes too: repetition r of person p is of the mode at the level
 //! ```text
 //! u = Phi(sqrt(s) z_p + sqrt(1 - s) e_r),      z_p, e_r ~ N(0, 1)
@@ -38,7 +40,12 @@ impl Population {
     /// p of a person (n): the same for all of their repetitions in a block.
     pub fn person(&self, (seed, block): (u64, u32), person: usize, n: usize) -> DVector<f64> {
         let mut rng = stream(seed, Purpose::Person, block, person as u32);
-        DVector::from_vec(normals(&mut rng, n)) * self.own_share.sqrt()
+        DVector::from_vec(normals(&mut rng, n)) * (self.own_share * self.widened()).sqrt()
+    }
+
+    /// (P + 1) / (P - 1).
+    fn widened(&self) -> f64 {
+        (self.people as f64 + 1.0) / (self.people as f64 - 1.0)
     }
 
     /// By how much what a repetition has of its own is smaller than a standard deviation of all.
@@ -110,8 +117,9 @@ mod tests {
             .collect();
         let product = mean(&all.iter().map(|[a, b]| a * b).collect::<Vec<f64>>());
         let sd = std_dev(&all.iter().map(|[a, _]| *a).collect::<Vec<f64>>());
-        assert!((product - 0.3).abs() < 0.04, "{product}");
-        assert!((sd - 1.0).abs() < 0.03, "{sd}");
+        // Five people: half as much again between them.
+        assert!((product - 0.45).abs() < 0.05, "{product}");
+        assert!((sd - 1.15f64.sqrt()).abs() < 0.03, "{sd}");
     }
 
     #[test]

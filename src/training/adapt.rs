@@ -6,6 +6,9 @@
 //! m(x)   the people's regression with the worker as one more person
 //! S_q    (1 - s)(1 + s / (k s + 1 - s)) of the people's    k movements of the worker, s the share that is a person's own
 //! ```
+//! Where hands are low the modes of reaching down are adapted, each by the worker's movements of that mode, and not
+//! the law of all modes together.
+//!
 //! The posterior mean of an inverse Wishart law about the people's W, and of Gaussian ones about their usual
 //! postures. What differs between repetitions stays that of the people.
 
@@ -59,7 +62,11 @@ pub fn adapt(model: &PostureModel, own: &Dataset) -> Result<PostureModel, InputE
     let of_way = |law: &PostureLaw, postures: &PostureDistribution, frames: &[&Frame]| {
         (adapted_law(law, frames, own.coupling.stature_m()), adapted_postures(postures, unknown))
     };
-    let (law, postures) = of_way(&model.law, &model.postures, &frames);
+    let anyhow = match &model.modes {
+        Some(modes) => of_no_mode(modes, own),
+        None => frames,
+    };
+    let (law, postures) = of_way(&model.law, &model.postures, &anyhow);
     let modes = model.modes.as_ref().map(|modes| {
         let of_mode = |(k, mode): (usize, &Mode)| {
             let (law, postures) = of_way(&mode.law, &mode.postures, &of_a_mode(modes, k, own));
@@ -135,6 +142,13 @@ fn of_a_mode<'a>(modes: &Modes, mode: usize, own: &'a Dataset) -> Vec<&'a Frame>
         .filter(|t| nearest_mode(modes, measurer, own, *t).is_some_and(|k| k != mode))
         .collect();
     own.frames.iter().filter(|f| !other.contains(&f.trial)).collect()
+}
+
+/// The worker's frames that tell nothing of modes: one movement shows one way of reaching down, not that the worker
+/// has no other.
+fn of_no_mode<'a>(modes: &Modes, own: &'a Dataset) -> Vec<&'a Frame> {
+    let stature_m = own.coupling.stature_m();
+    own.frames.iter().filter(|f| f.hand.translation.y / stature_m >= modes.below).collect()
 }
 
 /// The mode of a movement by trunk and knees where the hand is lowest; none where it is not low.

@@ -341,12 +341,18 @@ impl Dataset {
     /// Where the hand of whole people is low: from the hips down to half a leg. None where too few frames
     /// are, or too few are not, and of one person, whose few low movements would be taken for what people do.
     pub(super) fn lowness(&self) -> Option<Lowness> {
-        let measurer = self.measurer.as_ref().filter(|_| self.is_of_people)?;
+        let lowness = self.low_places()?;
         let h = self.coupling.stature_m();
-        let lowness = Lowness { from: measurer.height(1.0) / h, to: measurer.height(LOW_LEGS) / h };
         let lows = self.frames.iter().map(|f| lowness.of(f.hand.translation.y / h));
         let share = lows.sum::<f64>() / self.frames.len() as f64;
         (FEWEST_LOW..=1.0 - FEWEST_LOW).contains(&share).then_some(lowness)
+    }
+
+    /// The same however many frames are low.
+    pub(super) fn low_places(&self) -> Option<Lowness> {
+        let measurer = self.measurer.as_ref().filter(|_| self.is_of_people)?;
+        let h = self.coupling.stature_m();
+        Some(Lowness { from: measurer.height(1.0) / h, to: measurer.height(LOW_LEGS) / h })
     }
 
     /// Whether it is of several people, also where only one of them is looked at.

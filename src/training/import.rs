@@ -17,6 +17,7 @@ pub use sizes::{PartSize, Sizes};
 
 use super::dataset::Trial;
 use super::motion_file::{FITTED_MARK, motion_text};
+use super::over_feet::StraightLegs;
 use super::people::sized;
 use super::source::{Source, Whom, from_recording};
 use crate::files::InputError;
@@ -119,7 +120,7 @@ fn one(runs: &[Run], whom: &Whom) -> Result<ImportedFile, InputError> {
     let done: Result<Vec<ImportedRun>, InputError> = runs
         .par_iter()
         .map(|run| {
-            let source = from_recording(&run.recording, whom)?;
+            let source = from_recording(&run.recording, whom, StraightLegs::AS_RECORDED)?;
             Ok(ImportedRun {
                 first_frame: run.first_frame,
                 gaps_filled: run.gaps_filled,

@@ -4,7 +4,8 @@
 //! ```text
 //! feet frame   midway between the balls of the feet, on the floor; x ahead (mean of the feet), y up
 //! pelvis       hips seen from there, over the recorded leg, less where they are upright; then its turn
-//! height       so that the knees of the body, its feet side by side, bend as the recorded ones on average
+//! height       so that the knees of the body, its feet side by side, bend as the recorded ones on average, seen
+//!              from where the person stands upright
 //! ```
 //! With the recorded height, feet that stand apart or walk would bend the knees of a body whose feet stand side by
 //! side by 20 deg for 2 cm; the hips are off by these few centimetres instead.
@@ -24,6 +25,12 @@ use nalgebra::UnitQuaternion;
 const ON_FLOOR: f64 = 0.05;
 /// A foot whose ball goes faster than this steps, m/s.
 const STEPPING_M_S: f64 = 0.15;
+
+/// Share of the frames in which hips are no farther from the ankles than where legs are straight.
+const UPRIGHT: f64 = 0.98;
+/// Smallest distance from hip to ankle, over the length of the leg, that straight legs may look like: knees bent by
+/// 32 deg.
+const LEAST_UPRIGHT: f64 = 0.96;
 
 /// A recorded pelvis over its feet.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,22 +64,77 @@ impl<'a> LegTracks<'a> {
         })
     }
 
+    /// Hip, knee and ankle.
+    fn points(&self, frame: usize) -> [Vec3; 3] {
+        [self.hip, self.knee, self.foot].map(|t| t.position[frame])
+    }
+
     /// Hip to knee to ankle, m.
     fn length_m(&self, frame: usize) -> f64 {
-        let [hip, knee, ankle] = [self.hip, self.knee, self.foot].map(|t| t.position[frame]);
+        let [hip, knee, ankle] = self.points(frame);
         (knee - hip).norm() + (ankle - knee).norm()
     }
 
-    /// Flexion of the knee, rad.
-    fn bend_rad(&self, frame: usize) -> f64 {
-        let [hip, knee, ankle] = [self.hip, self.knee, self.foot].map(|t| t.position[frame]);
-        (knee - hip).angle(&(ankle - knee))
+    /// Hip to ankle over the length of the leg while the person stands upright.
+    fn upright(&self) -> f64 {
+        let span = |i: usize| {
+            let [hip, _, ankle] = self.points(i);
+            (hip - ankle).norm() / self.length_m(i)
+        };
+        let spans: Vec<f64> = (0..self.hip.position.len()).map(span).collect();
+        stats::quantile(&spans, UPRIGHT)
     }
 
     /// Ball of the foot, or the ankle where it is not recorded.
     fn stands_at(&self, frame: usize) -> Vec3 {
         self.ball.unwrap_or(self.foot).position[frame]
     }
+}
+
+/// How far apart hip and ankle of the right and the left leg are, over the length of the leg, where a person's knees
+/// are straight. The skeletons of some systems have the knee ahead of the line from hip to ankle, so that everybody
+/// who stands looks bent by 20 deg and more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct StraightLegs([f64; 2]);
+
+impl StraightLegs {
+    /// As the joint centres say.
+    pub(super) const AS_RECORDED: Self = Self([1.0; 2]);
+
+    /// Of a person in several recordings, who stands upright in one of them; as recorded where there is but one,
+    /// where the person may have stood on bent knees all the time.
+    pub(super) fn of(recordings: &[Recording]) -> Self {
+        if recordings.len() < 2 {
+            return Self::AS_RECORDED;
+        }
+        let of = |side: Side| {
+            let legs = recordings.iter().filter_map(|r| LegTracks::of(r, side));
+            let most = legs.map(|leg| leg.upright()).filter(|s| s.is_finite());
+            most.fold(0.0, f64::max).clamp(LEAST_UPRIGHT, 1.0)
+        };
+        Self([of(Side::Right), of(Side::Left)])
+    }
+
+    /// How far straight knees look bent, of the side where they do so more, deg.
+    pub(super) fn look_bent_deg(&self) -> f64 {
+        let bend = |share: &f64| 2.0 * share.acos().to_degrees();
+        self.0.iter().map(bend).fold(0.0, f64::max)
+    }
+
+    /// Flexion of the right and the left knee from hip, knee and ankle, rad.
+    pub(super) fn knees_rad(&self, legs: [[Vec3; 3]; 2]) -> [f64; 2] {
+        [0, 1].map(|side| knee_rad(legs[side], self.0[side]))
+    }
+}
+
+/// Flexion of a knee from hip, knee and ankle, rad, of a leg that is straight where hip and ankle are `straight`
+/// apart, over its length.
+fn knee_rad([hip, knee, ankle]: [Vec3; 3], straight: f64) -> f64 {
+    let (thigh, shank) = ((knee - hip).norm(), (ankle - knee).norm());
+    let span = (ankle - hip).norm() / straight;
+    // Law of cosines; what is not a number stays so.
+    let cosine = (span * span - thigh * thigh - shank * shank) / (2.0 * thigh * shank);
+    if cosine > 1.0 { 0.0 } else { cosine.acos() }
 }
 
 /// The pelvis of a recorded person over the feet, in a body; none where a recording holds no legs.
@@ -82,6 +144,7 @@ impl<'a> LegTracks<'a> {
 pub(super) fn over_feet(
     recording: &Recording,
     body: &Body,
+    straight: StraightLegs,
     cutoff_hz: f64,
 ) -> Result<Option<OverFeet>, InputError> {
     let legs = [Side::Right, Side::Left].map(|side| LegTracks::of(recording, side));
@@ -114,7 +177,8 @@ pub(super) fn over_feet(
     let mut raw = Vec::with_capacity(count);
     for i in 0..count {
         let there = in_feet(i);
-        let pelvis = own.bent_so(&there, 0.5 * (right.bend_rad(i) + left.bend_rad(i)));
+        let [one, other] = straight.knees_rad(sides.map(|leg| leg.points(i)));
+        let pelvis = own.bent_so(&there, 0.5 * (one + other));
         let by_m = pelvis.translation.y - there.translation.y;
         shifted = shifted.max(by_m.abs() / body.leg_m());
         raw.push(pelvis_coordinates(&pelvis, body.leg_m()));
@@ -251,7 +315,7 @@ mod tests {
     }
 
     fn found(recording: &Recording, body: &Body) -> OverFeet {
-        over_feet(recording, body, 6.0).unwrap().unwrap()
+        over_feet(recording, body, StraightLegs::AS_RECORDED, 6.0).unwrap().unwrap()
     }
 
     fn departure(a: &[f64; 6], b: &[f64; 6]) -> f64 {
@@ -332,11 +396,39 @@ mod tests {
             for track in recording.segments.iter_mut().filter(|t| t.name.starts_with("RightFoot")) {
                 track.position.iter_mut().for_each(|at| at.x += apart_m);
             }
-            let tracks = [Side::Right, Side::Left].map(|s| LegTracks::of(&recording, s).unwrap());
-            let recorded = 0.5 * (tracks[0].bend_rad(17) + tracks[1].bend_rad(17));
+            let recorded = mean_knee(&recording, StraightLegs::AS_RECORDED);
             let seen = found(&recording, &own);
             assert!((bent(&seen) - recorded).abs() < 1e-4, "{} {recorded}", bent(&seen));
         }
+    }
+
+    /// Mean flexion of both knees, rad.
+    fn mean_knee(recording: &Recording, straight: StraightLegs) -> f64 {
+        let legs = [Side::Right, Side::Left].map(|s| LegTracks::of(recording, s).unwrap());
+        straight.knees_rad(legs.map(|leg| leg.points(17))).iter().sum::<f64>() / 2.0
+    }
+
+    #[test]
+    fn who_stands_on_knees_that_look_bent_stands_on_straight_ones() {
+        let own = body("female_p50");
+        let bent = |down: f64| record(&own, [0.0, -down, 0.0, 0.0, 0.0, 0.0], 30);
+        let as_it_is = |recording: &Recording| mean_knee(recording, StraightLegs::AS_RECORDED);
+        let (upright, crouched) = (bent(0.02), bent(0.2));
+        let straight = StraightLegs::of(&[crouched.clone(), upright.clone()]);
+        assert!((straight.look_bent_deg() - as_it_is(&upright).to_degrees()).abs() < 1.0);
+        assert!(as_it_is(&upright) > 0.35 && mean_knee(&upright, straight) < 1e-3);
+        // The law of cosines with legs that are shorter by what straight ones look short.
+        let less = as_it_is(&crouched) - mean_knee(&crouched, straight);
+        assert!((0.03..0.2).contains(&less), "{less}");
+        let told = over_feet(&upright, &own, straight, 6.0).unwrap().unwrap();
+        let legs = Legs::new(&own, Stance::Standing { shoe_m: 0.0 }).unwrap();
+        let [right, _] = legs.postures(&pelvis_in_rest(&told.pelvis[17], own.leg_m()));
+        assert!(right.knee.abs() < 0.02, "{}", right.knee);
+        // One recording alone may be of somebody who never stood upright, and nobody stands on such knees.
+        assert_eq!(StraightLegs::of(&[upright]), StraightLegs::AS_RECORDED);
+        let never = StraightLegs::of(&[crouched.clone(), crouched.clone()]);
+        assert!((never.look_bent_deg() - 32.5).abs() < 0.1, "{}", never.look_bent_deg());
+        assert!(mean_knee(&crouched, never) > 0.5);
     }
 
     #[test]
@@ -345,9 +437,9 @@ mod tests {
         let mut recording = record(&own, [0.0; 6], 30);
         let mut lost = recording.clone();
         lost.segments[1].position[9].x = f64::NAN;
-        let error = over_feet(&lost, &own, 6.0).unwrap_err();
+        let error = over_feet(&lost, &own, StraightLegs::AS_RECORDED, 6.0).unwrap_err();
         assert!(error.message().contains("holds a leg"), "{error}");
         recording.segments.retain(|t| t.name != "LeftFoot");
-        assert_eq!(over_feet(&recording, &own, 6.0).unwrap(), None);
+        assert_eq!(over_feet(&recording, &own, StraightLegs::AS_RECORDED, 6.0).unwrap(), None);
     }
 }

@@ -5,7 +5,7 @@ use super::filled::fill_pelvis;
 use super::fit::{FitSettings, fit};
 use super::fit_report::FitReport;
 use super::motion_file::read_motion;
-use super::over_feet::{OverFeet, over_feet, turns_where_it_faces};
+use super::over_feet::{OverFeet, StraightLegs, over_feet, turns_where_it_faces};
 use crate::files::InputError;
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
@@ -129,8 +129,9 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
 
 /// Fits the body to the runs of a recording between its long gaps, each a trial of its own.
 fn from_runs(runs: &[Run], whom: &Whom) -> Result<Source, InputError> {
+    let as_recorded = StraightLegs::AS_RECORDED;
     let fitted: Result<Vec<Source>, InputError> =
-        runs.iter().map(|run| from_recording(&run.recording, whom)).collect();
+        runs.iter().map(|run| from_recording(&run.recording, whom, as_recorded)).collect();
     let mut fitted = fitted?;
     let longest = (0..runs.len()).max_by_key(|&i| (runs[i].recording.frames(), usize::MAX - i));
     let Some(longest) = longest.filter(|_| runs.len() > 1) else {
@@ -156,8 +157,12 @@ fn from_runs(runs: &[Run], whom: &Whom) -> Result<Source, InputError> {
     Ok(Source { trials, ..whole })
 }
 
-/// Fits the body to a recording.
-pub(super) fn from_recording(recording: &Recording, whom: &Whom) -> Result<Source, InputError> {
+/// Fits the body to a recording of a person with such legs.
+pub(super) fn from_recording(
+    recording: &Recording,
+    whom: &Whom,
+    straight: StraightLegs,
+) -> Result<Source, InputError> {
     let settings = FitSettings::default();
     let motion = fit(recording, whom.body, whom.side, &settings)?;
     let report = motion.report.clone();
@@ -165,8 +170,9 @@ pub(super) fn from_recording(recording: &Recording, whom: &Whom) -> Result<Sourc
         recording.remarks.iter().chain(&report.remarks).cloned().collect();
     let mut trial = Trial::from(&motion);
     if whom.pelvis != Some(Pelvis::Rests) {
-        if let Some(standing) = over_feet(recording, whom.body, settings.cutoff_hz)? {
+        if let Some(standing) = over_feet(recording, whom.body, straight, settings.cutoff_hz)? {
             remarks.extend(standing_remarks(&standing));
+            remarks.extend(straight_remark(straight));
             trial = Trial { stepping: standing.stepping, ..trial.on_pelvis(&standing.pelvis) };
         } else if whom.pelvis.is_some() {
             return Err(InputError::new(&recording.source, "does not hold both legs")
@@ -224,6 +230,20 @@ fn standing_remarks(standing: &OverFeet) -> Vec<Remark> {
         remarks.push(Remark::new("height of the pelvis", text).of_size(standing.shifted));
     }
     remarks
+}
+
+/// What a reader should know of knees that count as straight where they look bent.
+fn straight_remark(straight: StraightLegs) -> Option<Remark> {
+    /// Flexion that is worth a word, deg.
+    const WORTH_A_WORD_DEG: f64 = 10.0;
+    let bent = straight.look_bent_deg();
+    (bent > WORTH_A_WORD_DEG).then(|| {
+        let text = format!(
+            "where this person stands tallest in all recordings the knees look bent by {bent:.0} deg: there they count as \
+             straight, as the joint centres of some systems lie ahead of the knee"
+        );
+        Remark::new("straight knees", text).of_size(bent)
+    })
 }
 
 /// One recording without legs leaves every pelvis at rest.

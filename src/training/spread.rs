@@ -6,7 +6,8 @@
 //! For rollouts the mean includes the pull.
 //!
 //! ```text
-//! postures: mean, (1 - a) C + a diag C + (1 deg)^2 I,  a = 0.1
+//! postures: mean, (1 - a) C + a diag C + floor^2,  a = 0.1; floor 1 deg, or of what varies less a third of its
+//!           standard deviation: hips of upright people stay within a centimetre
 //! ```
 
 use super::dataset::{Dataset, Fold, Frame, at_most, sparse};
@@ -29,6 +30,8 @@ const POSTURE_DIGITS: i32 = 6;
 /// Share of the diagonal in the posture covariance, and its floor, rad.
 const POSTURE_SHRINKAGE: f64 = 0.1;
 const POSTURE_FLOOR_RAD: f64 = std::f64::consts::PI / 180.0;
+const POSTURE_FLOOR_SHARE: f64 = 1.0 / 3.0;
+const LEAST_POSTURE_FLOOR_RAD: f64 = 0.1 * POSTURE_FLOOR_RAD;
 
 /// Most that can be a person's own: repetitions of nobody are alike.
 const MOST_OWN: f64 = 0.95;
@@ -79,6 +82,7 @@ pub fn learn_attraction(
             origins,
             dataset.coupling.stature_m(),
             (pull, settings.place_length, settings.attraction_noise),
+            dataset.low_places(),
         ));
     }
     Some(Attraction::fit(
@@ -156,7 +160,11 @@ pub fn learn_postures(frames: &[&Frame]) -> PostureDistribution {
 
 fn shrunk(full: DMatrix<f64>) -> DMatrix<f64> {
     let diagonal = DMatrix::from_diagonal(&full.diagonal());
-    let floor = DMatrix::identity(full.nrows(), full.nrows()) * POSTURE_FLOOR_RAD.powi(2);
+    let floor = diagonal.map_diagonal(|variance| {
+        let own = POSTURE_FLOOR_SHARE * variance.sqrt();
+        own.clamp(LEAST_POSTURE_FLOOR_RAD, POSTURE_FLOOR_RAD).powi(2)
+    });
+    let floor = DMatrix::from_diagonal(&floor);
     full * (1.0 - POSTURE_SHRINKAGE) + diagonal * POSTURE_SHRINKAGE + floor
 }
 
@@ -200,10 +208,16 @@ fn about_usual(dataset: &Dataset, settings: &TrainSettings) -> Option<Spread> {
         let usual = attraction.usual_postures(&hands, stature_m);
         let departures = test.into_iter().zip(usual).map(|(frame, usual)| {
             let low = lowness.map_or(0.0, |l| l.of(frame.hand.translation.y / stature_m));
+            let off = &frame.q - &usual.posture;
+            // Where less is known people are farther off: as far as the regression says.
+            let (known, off) = match usual.growth {
+                Some(growth) => (1.0, off / growth.sqrt()),
+                None => (usual.trust(), off),
+            };
             Departure {
-                known: usual.trust(),
+                known,
                 low,
-                off: &frame.q - usual.posture,
+                off,
                 movement: frame.trial,
                 place: frame.hand.translation.vector / stature_m,
             }

@@ -5,6 +5,7 @@
 //! degree of extension moves RULA's neck from 1 to 4.
 
 use super::super::measurer::bend_deg;
+use super::super::over_feet::StraightLegs;
 use super::Features;
 use crate::files::InputError;
 use crate::human::{Head, Side};
@@ -34,7 +35,11 @@ pub struct Seen {
 }
 
 /// What a recording shows at each frame, in its own axes.
-pub(super) fn recorded(recording: &Recording, side: Side) -> Result<Vec<Seen>, InputError> {
+pub(super) fn recorded(
+    recording: &Recording,
+    side: Side,
+    straight: StraightLegs,
+) -> Result<Vec<Seen>, InputError> {
     let track = |name: &str| {
         recording.segment(name).ok_or_else(|| {
             InputError::new(&recording.source, format!("has no segment `{name}`"))
@@ -64,7 +69,8 @@ pub(super) fn recorded(recording: &Recording, side: Side) -> Result<Vec<Seen>, I
     let leg_m = quantile(&(0..count).map(length).collect::<Vec<_>>(), 0.5);
     Ok((0..count)
         .map(|i| {
-            let knees_deg = legs.each_ref().map(|leg| bend_deg(points(leg, i)));
+            let knees_deg =
+                straight.knees_rad(legs.each_ref().map(|leg| points(leg, i))).map(f64::to_degrees);
             let hips = 0.5 * (legs[0][0].position[i].z + legs[1][0].position[i].z);
             let up = thorax.rotation[i] * Vec3::y();
             let [shoulder, elbow, hand] = points(&arm, i);
