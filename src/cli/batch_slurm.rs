@@ -6,6 +6,7 @@
 use super::batch::Wanted;
 use super::batch_file::{Batched, Pages, finish, finished};
 use super::batch_slurm_print as print;
+use super::plan::with_threads;
 use super::progress::Progress;
 use super::{Failure, Outcome};
 use crate::batch::{
@@ -163,6 +164,8 @@ impl Watched {
     }
 
     fn missing(&self, folder: &Path) -> Vec<usize> {
+        // On a network file system a look into the folder is what makes new files of others seen.
+        let _ = folder.join(Manifest::CELLS).read_dir();
         let all = self.cells.iter();
         all.filter(|(_, record)| !folder.join(record).is_file()).map(|(k, _)| *k).collect()
     }
@@ -180,6 +183,7 @@ fn scripts(
         None => estimate(batched, missing)?,
     };
     let threads = wanted.threads.unwrap_or(1);
+    with_threads(wanted.threads, || ())?;
     let per_core = seconds / threads as f64;
     let wanted_shards = missing.len() as f64 * per_core / (60.0 * args.minutes_per_job);
     let most = if args.no_submit { MOST_SHARDS } else { slurm.most_shards() };

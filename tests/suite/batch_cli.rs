@@ -249,6 +249,34 @@ fn killed_batches_and_shards_end_in_the_same_tables() {
 
 #[cfg(unix)]
 #[test]
+fn the_line_for_gnu_parallel_gives_the_same_table() {
+    let there = std::process::Command::new("parallel").arg("--version").output();
+    if !there.is_ok_and(|o| String::from_utf8_lossy(&o.stdout).starts_with("GNU parallel")) {
+        skip("GNU parallel (apt-get install parallel)");
+        return;
+    }
+    let (room, file) = batch_place("seeds = [1, 2, 3]\n");
+    batch(&file, "plain").args(["--pages", "none"]).assert().success();
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/batches.md");
+    let guide = std::fs::read_to_string(guide).unwrap();
+    let line = guide.lines().find(|l| l.starts_with("parallel ")).unwrap();
+    let line = line
+        .replace("scenarios/batch/layouts.toml", "batch.toml")
+        .replace("ergopath", env!("CARGO_BIN_EXE_ergopath"));
+    assert!(line.contains("--shard {}/8 ::: $(seq 8)"), "{line}");
+    let run = |line: &str| {
+        let mut shell = std::process::Command::new("bash");
+        shell.args(["-c", line]).current_dir(room.path()).env("HOME", room.path());
+        let run = shell.output().unwrap();
+        assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
+    };
+    run(&line);
+    ergopath().args(["batch", "--merge"]).arg(room.path().join("shared")).assert().success();
+    assert!(top(&room.path().join("shared")) == top(&room.path().join("plain")));
+}
+
+#[cfg(unix)]
+#[test]
 fn an_interrupted_batch_keeps_its_cells_and_goes_on() {
     use crate::outputs_cli::has;
     use std::time::{Duration, SystemTime};
