@@ -4,6 +4,7 @@
 //! kept of it but the scripts; what is done stands in the folder of the batch, what is queued Slurm is asked.
 
 use crate::files::sha256_hex;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -218,7 +219,8 @@ impl SlurmJobs {
 }
 
 fn joined(options: &[String]) -> String {
-    options.iter().map(|o| format!(" {}", shell_words::quote(o))).collect()
+    let each = options.iter().flat_map(|o| [Cow::Borrowed(" "), shell_words::quote(o)]);
+    each.collect::<Vec<_>>().concat()
 }
 
 /// A task or job that Slurm knows.

@@ -134,7 +134,7 @@ pub(super) fn run(
         print::submitted(
             &jobs,
             array,
-            merge.as_ref().map_err(|e| e.message()),
+            merge.as_ref().map_err(InputError::message),
             folder,
             missing.len(),
         );

@@ -3,6 +3,7 @@
 use super::batch_file::listed;
 use crate::batch::{Queued, SlurmJobs, reasons};
 use crate::files::InputError;
+use std::fmt::Write as _;
 use std::path::Path;
 
 /// Tasks whose last words are shown.
@@ -123,10 +124,10 @@ pub(super) fn unfinished(
         let last = last.map_or(String::new(), |l| format!(": {l}"));
         let reason =
             if task.reason == "None" { String::new() } else { format!(", {}", task.reason) };
-        message += &format!("\n  task {}_{shard} ({}{reason}){last}", task.job, task.state);
+        let _ = write!(message, "\n  task {}_{shard} ({}{reason}){last}", task.job, task.state);
     }
     if ended.len() > MOST_SHOWN {
-        message += &format!("\n  and {} more tasks", ended.len() - MOST_SHOWN);
+        let _ = write!(message, "\n  and {} more tasks", ended.len() - MOST_SHOWN);
     }
     let remedy = if !ended.is_empty() && without_log == ended.len() {
         format!(

@@ -14,12 +14,20 @@ pub struct Memo<T> {
     kept: Mutex<BTreeMap<String, Arc<T>>>,
 }
 
-impl<T: Clone> Memo<T> {
+impl<T> Default for Memo<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T> Memo<T> {
     /// Nothing yet.
     pub const fn new() -> Self {
         Self { kept: Mutex::new(BTreeMap::new()) }
     }
+}
 
+impl<T: Clone> Memo<T> {
     /// What `make` gives for these texts, which are all that it depends on; a failure is not kept.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 /// No run takes that long to write one folder.
-const DEAD_AFTER: Duration = Duration::from_secs(3600);
+const DEAD_AFTER: Duration = Duration::from_hours(1);
 /// Letters and digits that make the names of working folders differ.
 const RANDOM: usize = 6;
 

@@ -1,7 +1,7 @@
 //! `ergopath batch BATCH.toml`: every value checked first, every cell computed once, the same tables whatever
 //! happened on the way.
 
-use crate::common::{assert_refused, ergopath, files, workplace};
+use crate::common::{assert_refused, cells_done, ergopath, files, workplace};
 use crate::skips::skip;
 use assert_cmd::Command;
 use ergopath::batch::{Jobs, Manifest, read_batch};
@@ -202,11 +202,7 @@ fn killed_batches_and_shards_end_in_the_same_tables() {
             .stdout(Stdio::null())
             .spawn()
             .unwrap();
-        let there = || {
-            let all = if killed.exists() { files(&killed) } else { BTreeMap::new() };
-            all.keys().filter(|n| n.ends_with("cell.json")).count()
-        };
-        while there() < cells && child.try_wait().unwrap().is_none() {
+        while cells_done(&killed) < cells && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(10));
         }
         child.kill().unwrap();
@@ -291,10 +287,7 @@ fn an_interrupted_batch_keeps_its_cells_and_goes_on() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let records = || {
-        let all = if out.exists() { files(&out) } else { BTreeMap::new() };
-        all.keys().filter(|n| n.ends_with("cell.json")).count()
-    };
+    let records = || cells_done(&out);
     while records() == 0 && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -309,7 +302,7 @@ fn an_interrupted_batch_keeps_its_cells_and_goes_on() {
     assert!((1..4).contains(&records()) && !out.join("cells.csv").exists(), "{}", records());
 
     // What a killed run left goes once it is old; what is not known to be ours stays.
-    let long_ago = SystemTime::now() - Duration::from_secs(7200);
+    let long_ago = SystemTime::now() - Duration::from_hours(2);
     for name in [".ergopath-aB3dE9", ".ergopath-notes"] {
         let folder = out.join("cells").join(name);
         std::fs::create_dir(&folder).unwrap();

@@ -1,7 +1,7 @@
 //! `ergopath batch --engine slurm` on a real Slurm of two nodes on this machine: whatever happens to nodes, tasks
 //! and disk, the joined table is that of one machine.
 
-use crate::common::{assert_refused, files, workplace};
+use crate::common::{assert_refused, cells_done, files, workplace};
 use crate::outputs_cli::has;
 use crate::skips::skip;
 use assert_cmd::Command;
@@ -15,7 +15,7 @@ use tempfile::TempDir;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_ergopath");
 /// Longer than anything here takes, for machines that do much besides.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_mins(2);
 const DAEMONS: [&str; 3] = ["munged", "slurmctld", "slurmd"];
 
 /// Six cells that take a moment each: three tasks of two cells with `BUNDLED`.
@@ -231,7 +231,7 @@ impl Drop for Cluster {
             }
             kill(&self.on_node(node));
         }
-        for (_, daemon) in &mut self.daemons {
+        for daemon in self.daemons.values_mut() {
             let _ = daemon.kill();
             let _ = daemon.wait();
         }
@@ -289,16 +289,7 @@ impl Place<'_> {
     }
 
     fn cells(&self) -> usize {
-        let all = if self.output.exists() { files(&self.output) } else { BTreeMap::new() };
-        all.keys().filter(|n| n.ends_with("cell.json")).count()
-    }
-
-    /// The end of a running command: its code and all that it said.
-    fn ended(&self, child: Child) -> (Option<i32>, String) {
-        let output = child.wait_with_output().unwrap();
-        let said = [output.stdout, output.stderr].concat();
-        let flat = String::from_utf8_lossy(&said).replace(['\n', '│'], " ");
-        (output.status.code(), flat.split_whitespace().collect::<Vec<_>>().join(" "))
+        cells_done(&self.output)
     }
 
     /// The tables are those of one machine, byte for byte.
@@ -306,6 +297,14 @@ impl Place<'_> {
         let own = tables(&self.output);
         assert!(own == *plain, "{}", self.output.display());
     }
+}
+
+/// The end of a running command: its code and all that it said.
+fn ended(child: Child) -> (Option<i32>, String) {
+    let output = child.wait_with_output().unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    let flat = String::from_utf8_lossy(&said).replace(['\n', '│'], " ");
+    (output.status.code(), flat.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 fn tables(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -441,7 +440,7 @@ fn interrupted_and_cancelled(cluster: &Cluster, room: &Path, plain: &BTreeMap<St
     let interrupt =
         std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
     assert!(interrupt.unwrap().success());
-    let (code, said) = place.ended(child);
+    let (code, said) = ended(child);
     assert!(code == Some(130) && said.contains("the jobs go on"), "{code:?} {said}");
     assert_eq!(cluster.running(), 2);
 
@@ -451,7 +450,7 @@ fn interrupted_and_cancelled(cluster: &Cluster, room: &Path, plain: &BTreeMap<St
     let name = cluster.ask("squeue", &["-h", "--format=%j"]);
     let name = name.lines().next().unwrap();
     cluster.ask("scancel", &[&format!("--name={name}")]);
-    let (code, said) = place.ended(child);
+    let (code, said) = ended(child);
     assert!(said.contains("is queued or running already") && !said.contains("6 cells,"), "{said}");
     assert!(
         code == Some(1) && said.contains("4 cells have no result: 2, 3, 5, 6"),
@@ -479,7 +478,7 @@ fn killed_twice(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>
         kill(&[pid]);
         killed.push(pid);
     }
-    let (code, said) = place.ended(child);
+    let (code, said) = ended(child);
     assert!(code == Some(1) && said.contains("2 cells have no result: 2, 5"), "{code:?} {said}");
     assert!(
         said.contains("attempt 2 of shard 2") && said.contains("ended with code 137"),
@@ -512,7 +511,7 @@ fn full_disk(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>>) 
     let filled = std::fs::write(&ballast, vec![0u8; 4 << 20]);
     assert!(filled.is_err(), "the disk is not full");
     place.release();
-    let (code, said) = place.ended(child);
+    let (code, said) = ended(child);
     assert!(code == Some(1) && said.contains("have no result"), "{code:?} {said}");
     std::fs::remove_file(&ballast).unwrap();
     place.command().assert().success();
@@ -568,7 +567,7 @@ fn dead_node(cluster: &mut Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8
     let place = Place { cluster, folder: room, output };
     place.release();
     // Slurm sees by itself that the node is gone, and starts the task on the other.
-    let (code, said) = place.ended(child);
+    let (code, said) = ended(child);
     assert!(code == Some(0) && said.contains("6 cells: 6 with a path"), "{code:?} {said}");
     place.assert_whole(plain);
 }
