@@ -24,6 +24,8 @@ mod batch;
 mod batch_file;
 mod batch_list;
 mod batch_print;
+mod batch_slurm;
+mod batch_slurm_print;
 mod bench;
 mod bench_files;
 mod bench_print;

@@ -196,17 +196,29 @@ pub fn front(finished: &Finished) -> Vec<Point> {
             })
         })
         .collect();
-    let beats = |a: &Point, b: &Point| {
-        a.station == b.station
-            && a.duration_s <= b.duration_s
-            && a.risk <= b.risk
-            && (a.duration_s < b.duration_s || a.risk < b.risk)
-    };
-    let on: Vec<bool> = points.iter().map(|p| !points.iter().any(|o| beats(o, p))).collect();
-    for (point, is_on) in points.iter_mut().zip(on) {
-        point.is_on_front = is_on;
-    }
+    mark_front(&mut points);
     points
+}
+
+/// Of each station from short to long, of equal ones the lower risk first: what is on the front has less risk than
+/// all before it, or is the equal of the last that was.
+fn mark_front(points: &mut [Point]) {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|a, b| {
+        let (a, b) = (&points[*a], &points[*b]);
+        let by_time = a.duration_s.total_cmp(&b.duration_s);
+        a.station.cmp(&b.station).then(by_time).then(a.risk.total_cmp(&b.risk))
+    });
+    let mut last: Option<(usize, f64, f64)> = None;
+    for k in order {
+        let point = &mut points[k];
+        let own = (point.station, point.duration_s, point.risk);
+        point.is_on_front =
+            last.is_none_or(|l| l.0 != own.0 || own.2 < l.2 || (own.1 == l.1 && own.2 == l.2));
+        if point.is_on_front {
+            last = Some(own);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -300,6 +312,32 @@ mod tests {
         assert_eq!((effects[0].levels[0].pairs, effects[0].levels[0].is_paired), ([1, 2], true));
         assert!((effects[0].levels[0].difference.unwrap()[0] + 1.0).abs() < 1e-12);
         assert!(!effects[1].levels[0].is_paired, "other draws");
+    }
+
+    #[test]
+    fn the_front_is_that_of_a_naive_loop() {
+        use crate::math::stream::{Purpose, stream};
+        use rand::RngExt;
+        let mut rng = stream(7, Purpose::Simulation, 0, 0);
+        // Few values, so that many are equal.
+        let mut point = |cell| Point {
+            cell,
+            station: rng.random_range(0..3),
+            duration_s: f64::from(rng.random_range(0..8u8)),
+            risk: f64::from(rng.random_range(0..8u8)) / 8.0,
+            is_on_front: false,
+        };
+        let mut points: Vec<Point> = (0..200).map(&mut point).collect();
+        let beats = |a: &Point, b: &Point| {
+            a.station == b.station
+                && a.duration_s <= b.duration_s
+                && a.risk <= b.risk
+                && (a.duration_s < b.duration_s || a.risk < b.risk)
+        };
+        let naive: Vec<bool> = points.iter().map(|p| !points.iter().any(|o| beats(o, p))).collect();
+        mark_front(&mut points);
+        assert_eq!(points.iter().map(|p| p.is_on_front).collect::<Vec<_>>(), naive);
+        assert!(naive.iter().any(|on| *on) && naive.iter().any(|on| !*on));
     }
 
     #[test]

@@ -4,9 +4,10 @@
 use super::cell::Jobs;
 use super::file::Mode;
 use super::matrix::{Batch, FactorKind};
-use super::record::{CellRecord, kept};
+use super::record::{CellRecord, RECORD_FILE, kept};
 use crate::files::InputError;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const MANIFEST_SCHEMA: &str = "ergopath/batch-run/1";
@@ -14,8 +15,6 @@ const MANIFEST_SCHEMA: &str = "ergopath/batch-run/1";
 const HASH_DIGITS: usize = 64;
 /// Digits of a key that name a folder.
 const SHORT: usize = 16;
-/// Folder of the cells.
-const CELLS: &str = "cells";
 
 /// What is varied.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,7 +57,12 @@ pub struct Station {
 impl CellPlan {
     /// Its folder in that of the batch.
     pub fn folder(&self) -> PathBuf {
-        Path::new(CELLS).join(self.short())
+        Path::new(Manifest::CELLS).join(self.short())
+    }
+
+    /// The file of what it found, in that of the batch.
+    pub fn record(&self) -> PathBuf {
+        self.folder().join(RECORD_FILE)
     }
 
     /// The beginning of its key.
@@ -95,6 +99,8 @@ pub struct Finished {
 }
 
 impl Manifest {
+    /// Folder of the cells, in that of the batch.
+    pub const CELLS: &'static str = "cells";
     /// Name of its file in the folder of the batch.
     pub const FILE: &'static str = "batch.json";
 
@@ -104,15 +110,14 @@ impl Manifest {
     /// Where a cell is refused.
     pub fn of(batch: &Batch, jobs: &Jobs) -> Result<Self, InputError> {
         let (mut stations, mut cells) = (Vec::<Station>::new(), Vec::new());
+        let mut known: BTreeMap<(usize, u64, u64), usize> = BTreeMap::new();
         for (levels, (key, own)) in batch.cells.iter().cloned().zip(jobs.keys()?) {
             // The scenario may be renamed by a field: that alone makes no other work of it.
-            let is_same = |s: &Station| {
-                (s.scenario, s.load_kg, s.duration_s) == (own.scenario, own.load_kg, own.duration_s)
-            };
-            let station = stations.iter().position(is_same).unwrap_or(stations.len());
-            if station == stations.len() {
+            let alike = (own.scenario, own.load_kg.to_bits(), own.duration_s.to_bits());
+            let station = *known.entry(alike).or_insert_with(|| {
                 stations.push(own);
-            }
+                stations.len() - 1
+            });
             cells.push(CellPlan { levels, key, station });
         }
         let factors = batch.factors.iter().map(|f| PlannedFactor {

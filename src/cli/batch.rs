@@ -1,6 +1,7 @@
 //! `ergopath batch`: a batch file, shards of one that are joined, or a list of scenarios.
 
 use super::batch_file::{self, Pages, Shard};
+use super::batch_slurm::SlurmArgs;
 use super::{Failure, Outcome, batch_list};
 use crate::batch::{Gate, is_batch};
 use crate::files::{InputError, Outputs};
@@ -41,21 +42,38 @@ pub(super) struct BatchArgs {
     /// `gate.xml`, a file for test servers, tells which do, and exit code 5 that not all do.
     #[arg(long, value_name = "BOUNDS")]
     gate: Option<String>,
+    /// Of a batch file: compute the missing cells as jobs of this scheduler, and follow them.
+    #[arg(long, value_enum, conflicts_with_all = ["merge", "shard"])]
+    engine: Option<Engine>,
+    #[command(flatten)]
+    slurm: SlurmArgs,
+}
+
+/// Schedulers that a batch is given to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Engine {
+    /// A job array, and a job that joins the cells.
+    Slurm,
 }
 
 /// What is asked of a batch file besides the file itself.
 #[derive(Debug)]
-pub(super) struct Wanted {
+pub(super) struct Wanted<'a> {
     pub threads: Option<usize>,
     pub shard: Option<Shard>,
     pub retries: bool,
     pub pages: Pages,
     pub gate: Option<Gate>,
+    /// The gate as it was written.
+    pub bounds: Option<&'a str>,
+    /// Cells are computed by jobs of Slurm.
+    pub slurm: Option<&'a SlurmArgs>,
 }
 
 /// Runs a batch.
 pub(super) fn batch(args: &BatchArgs, outputs: &Outputs) -> Result<Outcome, Failure> {
     let gate = args.gate.as_deref().map(Gate::parse).transpose()?;
+    args.slurm.check()?;
     if let Some(folder) = &args.merge {
         return batch_file::merge(folder, gate.as_ref(), outputs);
     }
@@ -66,6 +84,7 @@ pub(super) fn batch(args: &BatchArgs, outputs: &Outputs) -> Result<Outcome, Fail
             (args.shard.is_some(), "--shard"),
             (args.retry_failed, "--retry-failed"),
             (gate.is_some(), "--gate"),
+            (args.engine.is_some(), "--engine"),
         ];
         if let Some((_, option)) = for_files.iter().find(|(is_given, _)| *is_given) {
             return Err(InputError::new(option, "needs a batch file, and these are scenarios")
@@ -94,6 +113,8 @@ pub(super) fn batch(args: &BatchArgs, outputs: &Outputs) -> Result<Outcome, Fail
         retries: args.retry_failed,
         pages: args.pages,
         gate,
+        bounds: args.gate.as_deref(),
+        slurm: args.engine.map(|Engine::Slurm| &args.slurm),
     };
     batch_file::run(file, output, &wanted, outputs)
 }

@@ -2,6 +2,7 @@
 
 use super::batch::Wanted;
 use super::batch_print::{junit, print, print_shard};
+use super::batch_slurm;
 use super::plan::{canonical, with_threads};
 use super::progress::Progress;
 use super::{Failure, Outcome};
@@ -9,7 +10,7 @@ use crate::batch::{
     Batch, CellPlan, CellRecord, CellState, Finished, Gate, Jobs, Kept, Manifest, read_batch,
     tables,
 };
-use crate::files::{InputError, Outputs};
+use crate::files::{InputError, Outputs, sweep_killed};
 use crate::planner::{self, PlanError, Request, RunResult, Step};
 use crate::report;
 use clap::ValueEnum;
@@ -57,6 +58,14 @@ impl FromStr for Shard {
 /// Name of the page of a cell in its folder.
 const PAGE: &str = "report.html";
 
+/// A batch file that was read, and the folder for it.
+pub(super) struct Batched<'a> {
+    pub file: &'a Path,
+    pub batch: &'a Batch,
+    pub jobs: &'a Jobs<'a>,
+    pub output: &'a Path,
+}
+
 /// Runs the cells that have no result yet, then writes tables and page.
 pub(super) fn run(
     file: &Path,
@@ -69,6 +78,7 @@ pub(super) fn run(
     let plan = Manifest::of(&batch, &jobs)?;
     outputs.expect_folder(output)?;
     keep_plan(&plan, output, outputs)?;
+    sweep_killed(&output.join(Manifest::CELLS));
     let shard = wanted.shard.unwrap_or(Shard { number: 1, of: 1 });
     let own: Vec<&CellPlan> = plan
         .cells
@@ -85,6 +95,11 @@ pub(super) fn run(
         if runner.is_pending(cell, wanted)? {
             pending.push((cell, wanted.pages == Pages::All));
         }
+    }
+    if let Some(args) = wanted.slurm.filter(|_| !pending.is_empty()) {
+        let cells: Vec<CellPlan> = pending.iter().map(|(c, _)| (*c).clone()).collect();
+        let batched = Batched { file, batch: &batch, jobs: &jobs, output };
+        return batch_slurm::run(&batched, (&cells, plan), (args, wanted), outputs);
     }
     runner.run(&pending, wanted)?;
     if wanted.shard.is_some() {
@@ -130,16 +145,18 @@ fn keep_plan(plan: &Manifest, output: &Path, outputs: &Outputs) -> Result<(), Fa
     Ok(folder.write()?)
 }
 
-fn finished(plan: Manifest, folder: &Path) -> Result<Finished, Failure> {
+/// Cells by their numbers, the first of them.
+pub(super) fn listed(cells: &[usize]) -> String {
+    let first: Vec<String> = cells.iter().take(5).map(|k| (k + 1).to_string()).collect();
+    let more = if cells.len() > first.len() { " ..." } else { "" };
+    format!("{}{more}", first.join(", "))
+}
+
+pub(super) fn finished(plan: Manifest, folder: &Path) -> Result<Finished, Failure> {
     let count = plan.cells.len();
     plan.records(folder)?.map_err(|missing| {
-        let first: Vec<String> = missing.iter().take(5).map(|k| (k + 1).to_string()).collect();
-        let more = if missing.len() > first.len() { " ..." } else { "" };
-        let message = format!(
-            "{} of {count} cells have no result yet: {}{more}",
-            missing.len(),
-            first.join(", ")
-        );
+        let (number, which) = (missing.len(), listed(&missing));
+        let message = format!("{number} of {count} cells have no result yet: {which}");
         InputError::new(folder, message)
             .remedy("run the shards that are missing, or the batch without --shard")
             .into()
@@ -160,7 +177,7 @@ fn best_of_stations(finished: &Finished) -> Vec<usize> {
 }
 
 /// Tables, page and gate.
-fn finish(
+pub(super) fn finish(
     finished: &Finished,
     folder: &Path,
     gate: Option<&Gate>,

@@ -6,7 +6,7 @@ use crate::words::number::percent;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::Path;
 
-/// Cells named by the gate on the terminal; the file names all.
+/// Cells and stations that are named on the terminal; the files name all.
 const MOST_SHOWN: usize = 10;
 
 /// Counts, the best cell of each station, and where the rest is.
@@ -25,14 +25,18 @@ pub(super) fn print(finished: &Finished, gate: Option<&[GateRow]>, folder: &Path
         .collect();
     say!("{} cells: {}", finished.records.len(), parts.join(", "));
     best(finished);
-    for (k, record) in
-        finished.records.iter().enumerate().filter(|(_, r)| r.state == CellState::Failed)
-    {
+    let failed =
+        || finished.records.iter().enumerate().filter(|(_, r)| r.state == CellState::Failed);
+    for (k, record) in failed().take(MOST_SHOWN) {
         say!(
             "  failed: {}: {}",
             name(finished, k),
             record.reason.as_deref().unwrap_or("no reason")
         );
+    }
+    let more = failed().count().saturating_sub(MOST_SHOWN);
+    if more > 0 {
+        say!("  and {more} more failed: cells.csv");
     }
     if let Some(rows) = gate {
         let broken: Vec<&GateRow> = rows.iter().filter(|r| !r.broken.is_empty()).collect();
@@ -49,12 +53,16 @@ pub(super) fn print(finished: &Finished, gate: Option<&[GateRow]>, folder: &Path
 
 /// Of each station the cell with the smallest share of time at action level 3 or above.
 fn best(finished: &Finished) {
-    let cells = &finished.plan.cells;
-    for station in 0..finished.plan.stations.len() {
-        let share = |k: &usize| finished.row(*k)?.number("time_share_rula_ge_5");
-        let of = (0..cells.len()).filter(|k| cells[*k].station == station);
-        let best = of.filter_map(|k| Some((share(&k)?, k))).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((least, k)) = best else { continue };
+    let mut best: Vec<Option<(f64, usize)>> = vec![None; finished.plan.stations.len()];
+    for (k, cell) in finished.plan.cells.iter().enumerate() {
+        let share = finished.row(k).and_then(|r| r.number("time_share_rula_ge_5"));
+        if let Some(share) = share
+            && best[cell.station].is_none_or(|(least, _)| share < least)
+        {
+            best[cell.station] = Some((share, k));
+        }
+    }
+    for (least, k) in best.iter().flatten().copied().take(MOST_SHOWN) {
         let Some(row) = finished.row(k) else { continue };
         let band = |end: &str| row.number(end).map_or_else(|| "unknown".to_owned(), percent);
         say!(
@@ -65,6 +73,10 @@ fn best(finished: &Finished) {
             band("time_share_rula_ge_5_p05"),
             band("time_share_rula_ge_5_p95")
         );
+    }
+    let more = best.iter().flatten().count().saturating_sub(MOST_SHOWN);
+    if more > 0 {
+        say!("  and {more} more workstations: batch.html");
     }
 }
 

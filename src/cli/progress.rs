@@ -62,6 +62,17 @@ impl Progress {
         self.tell_best(stage, done, total, None)
     }
 
+    /// Where work stands that goes on elsewhere, with what is known of it; false where nobody watches.
+    pub(super) fn tell_state(&self, state: &str, done: usize, total: usize) -> bool {
+        self.tell("cells", done, total);
+        if self.is_shown
+            && let Ok(bar) = self.bar.lock()
+        {
+            bar.1.set_message(state.to_owned());
+        }
+        self.is_shown
+    }
+
     /// The same with the best value that a search has found so far.
     pub(super) fn tell_best(
         &self,

@@ -6,7 +6,7 @@ use super::pelvis::{PELVIS, REST, SEATED, on_moving_pelvis};
 use super::proportions::{BodySize, Proportions, Sex, proportions};
 use super::side::{Coupled, Pelvis, Side};
 use super::workforce::POPULATION;
-use crate::files::{InputError, parse_toml, read_text, suggest};
+use crate::files::{InputError, Memo, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;
 use crate::math::{Pose, Vec3};
@@ -115,6 +115,17 @@ impl Body {
     }
 
     fn parse(path: &Path, urdf: &str, sheet_path: &Path, sheet: &str) -> Result<Self, InputError> {
+        static KNOWN: Memo<Body> = Memo::new();
+        let texts = [&path.to_string_lossy(), urdf, sheet];
+        KNOWN.of(&texts, || Self::parse_anew(path, urdf, sheet_path, sheet))
+    }
+
+    fn parse_anew(
+        path: &Path,
+        urdf: &str,
+        sheet_path: &Path,
+        sheet: &str,
+    ) -> Result<Self, InputError> {
         let model = parse_urdf(path, urdf)?;
         let parsed: BodySheet = parse_toml(sheet_path, sheet)?;
         if parsed.schema != BODY_SCHEMA {

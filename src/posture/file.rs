@@ -7,7 +7,7 @@ use super::modes::LowMovement;
 use super::noise::Clock;
 use super::population::Population;
 use super::standing::StandingPlace;
-use crate::files::{InputError, read_text, sha256_hex, suggest, write_whole};
+use crate::files::{InputError, Memo, read_text, sha256_hex, suggest, write_whole};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -65,6 +65,11 @@ pub fn load_model(name_or_path: &str, folder: &Path) -> Result<(PostureModel, St
 }
 
 fn parse(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> {
+    static KNOWN: Memo<(PostureModel, String)> = Memo::new();
+    KNOWN.of(&[&path.to_string_lossy(), text], || parse_anew(path, text))
+}
+
+fn parse_anew(path: &Path, text: &str) -> Result<(PostureModel, String), InputError> {
     let remedy = "train it again with this version: ergopath train RECORDING --body BODY -o MODEL";
     let broken = |e: serde_json::Error| {
         InputError::new(path, format!("is not a posture model: {e}")).remedy(remedy)

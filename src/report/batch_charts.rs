@@ -8,6 +8,7 @@ use crate::batch::{FactorKind, Finished, PathRow, Point};
 use crate::words::number::percent;
 use maud::{Markup, PreEscaped, html};
 use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
 
 const SCRIPT: &str = include_str!("batch.js");
 /// Stations that are drawn; the table has all.
@@ -63,13 +64,14 @@ pub(super) fn heat_maps(finished: &Finished, stations: &Stations) -> Markup {
 
 fn heat_map(finished: &Finished, stations: &Stations, station: usize, shown: &[usize]) -> Markup {
     let plan = &finished.plan;
-    let own: Vec<usize> = (0..plan.cells.len()).filter(|k| stations.of[*k] == station).collect();
-    let levels = |f: Option<usize>| -> Vec<Option<usize>> {
-        let Some(f) = f else { return vec![None] };
-        let is_used = |l: &usize| own.iter().any(|k| plan.cells[*k].levels[f] == *l);
-        (0..plan.factors[f].levels.len()).filter(is_used).map(Some).collect()
-    };
     let (down, across) = (shown.first().copied(), shown.get(1).copied());
+    let mut fields: BTreeMap<[Option<usize>; 2], Vec<usize>> = BTreeMap::new();
+    for k in (0..plan.cells.len()).filter(|k| stations.of[*k] == station) {
+        let place = [down, across].map(|f| f.map(|f| plan.cells[k].levels[f]));
+        fields.entry(place).or_default().push(k);
+    }
+    // Those of the station, in the order of the batch file.
+    let used = |side: usize| fields.keys().map(|at| at[side]).collect::<BTreeSet<_>>();
     let label = |f: Option<usize>, l: Option<usize>| match f.zip(l) {
         Some((f, l)) => plan.factors[f].levels[l].clone(),
         None => "all cells".to_owned(),
@@ -79,25 +81,20 @@ fn heat_map(finished: &Finished, stations: &Stations, station: usize, shown: &[u
         div.scroll tabindex="0" role="region" aria-label="Map of two factors" { table.map {
             thead { tr {
                 th scope="col" { (title(down)) @if across.is_some() { " \u{2193}, " (title(across)) " \u{2192}" } }
-                @for l in levels(across) { th.n scope="col" { (label(across, l)) } }
+                @for l in used(1) { th.n scope="col" { (label(across, l)) } }
             } }
-            tbody { @for d in levels(down) { tr {
+            tbody { @for d in used(0) { tr {
                 th scope="row" { (label(down, d)) }
-                @for a in levels(across) { (field(finished, &own, [(down, d), (across, a)])) }
+                @for a in used(1) { (field(finished, fields.get(&[d, a]).map_or(&[], Vec::as_slice))) }
             } } }
         } }
     }
 }
 
 /// One field of a map: the mean over its cells.
-fn field(finished: &Finished, own: &[usize], of: [(Option<usize>, Option<usize>); 2]) -> Markup {
-    let is_in = |k: &&usize| {
-        of.iter()
-            .all(|(f, l)| f.zip(*l).is_none_or(|(f, l)| finished.plan.cells[**k].levels[f] == l))
-    };
-    let cells: Vec<&usize> = own.iter().filter(is_in).collect();
+fn field(finished: &Finished, cells: &[usize]) -> Markup {
     let values: Vec<f64> =
-        cells.iter().filter_map(|k| finished.row(**k)?.number("time_share_rula_ge_5")).collect();
+        cells.iter().filter_map(|k| finished.row(*k)?.number("time_share_rula_ge_5")).collect();
     if values.is_empty() {
         return html! { td.n { @if cells.is_empty() { "–" } @else { "no path" } } };
     }

@@ -11,6 +11,7 @@ use crate::batch::{
 use crate::ergonomics::ScoringMethod;
 use crate::words::number::{capital, change, percent, score};
 use maud::{Markup, html};
+use std::collections::BTreeMap;
 
 /// The page; `pages` tells which cells have a page of their own.
 pub fn batch_page(finished: &Finished, pages: &[bool]) -> String {
@@ -63,9 +64,11 @@ impl Stations {
         let of: Vec<usize> = finished.plan.cells.iter().map(|c| c.station).collect();
         let rula = |k: &usize| finished.row(*k).and_then(|r| r.number("rula_expected"));
         let mut rank = vec![None; of.len()];
-        for station in 0..finished.plan.stations.len() {
-            let own = (0..of.len()).filter(|k| of[*k] == station);
-            let mut ranked: Vec<(f64, usize)> = own.filter_map(|k| Some((rula(&k)?, k))).collect();
+        let mut own: Vec<Vec<(f64, usize)>> = vec![Vec::new(); finished.plan.stations.len()];
+        for (k, station) in of.iter().enumerate() {
+            own[*station].extend(rula(&k).map(|v| (v, k)));
+        }
+        for mut ranked in own {
             ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             for (place, (_, k)) in ranked.iter().enumerate() {
                 rank[*k] = Some(place + 1);
@@ -85,8 +88,12 @@ fn names(finished: &Finished) -> Vec<String> {
     let name = |s: &Station| format!("{}, {:.2} kg, {:.1} s", s.name, s.load_kg, s.duration_s);
     let all: Vec<String> = plan.stations.iter().map(name).collect();
     let scenario = plan.factors.iter().find(|f| f.kind == FactorKind::Scenario);
+    let mut times: BTreeMap<&String, usize> = BTreeMap::new();
+    for name in &all {
+        *times.entry(name).or_default() += 1;
+    }
     let told = |(s, name): (&Station, &String)| match scenario {
-        Some(f) if all.iter().filter(|n| *n == name).count() > 1 => {
+        Some(f) if times[name] > 1 => {
             format!("{name} ({})", f.levels[s.scenario])
         }
         _ => name.clone(),
@@ -115,10 +122,11 @@ pub(super) fn levels_in_words(finished: &Finished, cell: usize) -> String {
 }
 
 fn verdict(finished: &Finished, stations: &Stations) -> Markup {
+    let first = (0..stations.of.len()).filter(|k| stations.rank[*k] == Some(1));
+    let best: BTreeMap<usize, usize> = first.map(|k| (stations.of[k], k)).collect();
     html! {
         @for station in stations.numbers() {
-            @let best = (0..stations.of.len()).find(|k| stations.of[*k] == station && stations.rank[*k] == Some(1));
-            @if let Some((k, row)) = best.and_then(|k| Some((k, finished.row(k)?))) {
+            @if let Some((k, row)) = best.get(&station).and_then(|k| Some((*k, finished.row(*k)?))) {
                 p.headline {
                     (stations.names[station]) ": lowest for " (levels_in_words(finished, k)) ". RULA at action level 3 or above for "
                     (share(row, "time_share_rula_ge_5")) " of the time (90 % of repetitions: " (share(row, "time_share_rula_ge_5_p05"))

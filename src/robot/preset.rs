@@ -1,7 +1,7 @@
 //! The robots that ship with ergopath: URDF for kinematics and shape, TOML for the rest.
 
 use super::description::{Brake, Robot};
-use crate::files::{InputError, parse_toml, suggest};
+use crate::files::{InputError, Memo, parse_toml, suggest};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -56,6 +56,11 @@ struct BrakeRow {
 
 /// The preset with this name.
 pub(super) fn load(name: &str) -> Result<Robot, InputError> {
+    static KNOWN: Memo<Robot> = Memo::new();
+    KNOWN.of(&[name], || load_anew(name))
+}
+
+fn load_anew(name: &str) -> Result<Robot, InputError> {
     let Some([urdf, toml]) = files(name) else {
         let remedy = suggest(name, PRESETS)
             .unwrap_or_else(|| format!("known presets: {}", PRESETS.join(", ")));

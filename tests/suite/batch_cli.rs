@@ -1,7 +1,7 @@
 //! `ergopath batch BATCH.toml`: every value checked first, every cell computed once, the same tables whatever
 //! happened on the way.
 
-use crate::common::{assert_refused, ergopath, files, workplace};
+use crate::common::{assert_refused, cells_done, ergopath, files, workplace};
 use crate::skips::skip;
 use assert_cmd::Command;
 use ergopath::batch::{Jobs, Manifest, read_batch};
@@ -202,11 +202,7 @@ fn killed_batches_and_shards_end_in_the_same_tables() {
             .stdout(Stdio::null())
             .spawn()
             .unwrap();
-        let there = || {
-            let all = if killed.exists() { files(&killed) } else { BTreeMap::new() };
-            all.keys().filter(|n| n.ends_with("cell.json")).count()
-        };
-        while there() < cells && child.try_wait().unwrap().is_none() {
+        while cells_done(&killed) < cells && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(10));
         }
         child.kill().unwrap();
@@ -245,6 +241,103 @@ fn killed_batches_and_shards_end_in_the_same_tables() {
         ergopath().args(["batch", "--merge"]).arg(room.path()),
         "is no folder of a batch",
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn the_line_for_gnu_parallel_gives_the_same_table() {
+    let there = std::process::Command::new("parallel").arg("--version").output();
+    if !there.is_ok_and(|o| String::from_utf8_lossy(&o.stdout).starts_with("GNU parallel")) {
+        skip("GNU parallel (apt-get install parallel)");
+        return;
+    }
+    let (room, file) = batch_place("seeds = [1, 2, 3]\n");
+    batch(&file, "plain").args(["--pages", "none"]).assert().success();
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/batches.md");
+    let guide = std::fs::read_to_string(guide).unwrap();
+    let line = guide.lines().find(|l| l.starts_with("parallel ")).unwrap();
+    let line = line
+        .replace("scenarios/batch/layouts.toml", "batch.toml")
+        .replace("ergopath", env!("CARGO_BIN_EXE_ergopath"));
+    assert!(line.contains("--shard {}/8 ::: $(seq 8)"), "{line}");
+    let run = |line: &str| {
+        let mut shell = std::process::Command::new("bash");
+        shell.args(["-c", line]).current_dir(room.path()).env("HOME", room.path());
+        let run = shell.output().unwrap();
+        assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
+    };
+    run(&line);
+    ergopath().args(["batch", "--merge"]).arg(room.path().join("shared")).assert().success();
+    assert!(top(&room.path().join("shared")) == top(&room.path().join("plain")));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_batch_keeps_its_cells_and_goes_on() {
+    use crate::outputs_cli::has;
+    use std::time::{Duration, SystemTime};
+    let (room, file) = batch_place(TWO_BY_TWO);
+    batch(&file, "plain").assert().success();
+    let plain = top(&room.path().join("plain"));
+    let out = room.path().join("out");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_ergopath"))
+        .args(["batch", "--threads", "1", "-o"])
+        .args([&out, &file])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let records = || cells_done(&out);
+    while records() == 0 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // Started in the background of a script, a program is told to ignore Ctrl-C.
+    let signal = if has("self", "SigIgn:", 2) { "-TERM" } else { "-INT" };
+    let sent = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+    let run = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert_eq!(run.status.code(), Some(130), "{said}");
+    assert!(said.contains("interrupted; cells that were finished are kept"), "{said}");
+    assert!((1..4).contains(&records()) && !out.join("cells.csv").exists(), "{}", records());
+
+    // What a killed run left goes once it is old; what is not known to be ours stays.
+    let long_ago = SystemTime::now() - Duration::from_hours(2);
+    for name in [".ergopath-aB3dE9", ".ergopath-notes"] {
+        let folder = out.join("cells").join(name);
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("cell.json"), "{}").unwrap();
+        for at in [folder.join("cell.json"), folder] {
+            std::fs::File::open(at).unwrap().set_modified(long_ago).unwrap();
+        }
+    }
+    batch(&file, "out").assert().success();
+    assert!(top(&out) == plain, "after an interruption");
+    assert!(!out.join("cells/.ergopath-aB3dE9").exists());
+    assert!(out.join("cells/.ergopath-notes/cell.json").exists());
+}
+
+#[test]
+fn a_plan_whose_keys_are_no_hashes_is_refused() {
+    let (room, file) = batch_place("");
+    batch(&file, "out").args(["--pages", "none"]).assert().success();
+    let plan = room.path().join("out/batch.json");
+    let text = std::fs::read_to_string(&plan).unwrap();
+    let key = keys(&file).remove(0);
+    assert_eq!(key.len(), 64);
+    let merge = || {
+        let mut command = ergopath();
+        command.args(["batch", "--merge"]).arg(room.path().join("out"));
+        command
+    };
+    merge().assert().success();
+    let leads_out = format!("../../{}", &key[6..]);
+    for wrong in ["", &key[..63], &format!("{key}0"), &leads_out, &key.replace(&key[..1], "g")] {
+        std::fs::write(&plan, text.replace(&key, wrong)).unwrap();
+        assert_refused(&mut merge(), "is not a plan of `ergopath/batch-run/1`");
+    }
+    std::fs::write(&plan, &text).unwrap();
+    merge().assert().success();
 }
 
 #[test]
@@ -346,20 +439,27 @@ fn the_parquet_holds_what_the_csv_holds() {
     let python = "import sys, pandas\nt = pandas.read_parquet(sys.argv[1])\nc = pandas.read_csv(sys.argv[2])\n\
                   assert list(t.columns) == list(c.columns) and len(t) == len(c)\n\
                   assert abs(t['rula_expected'] - c['rula_expected']).max() == 0\n";
-    let has = std::process::Command::new("python3")
-        .args(["-c", "import pandas, pyarrow"])
-        .stderr(Stdio::null())
-        .status();
-    if !has.is_ok_and(|s| s.success()) {
-        skip("python3 with pandas and pyarrow");
-        return;
+    let polars = "import sys, polars\nt = polars.read_parquet(sys.argv[1])\n\
+                  c = polars.read_csv(sys.argv[2], infer_schema_length=None)\n\
+                  assert t.columns == c.columns and len(t) == len(c) > 0\n\
+                  assert (t['rula_expected'] - c['rula_expected']).abs().max() == 0\n\
+                  assert t['is_lead'].dtype == polars.Boolean and t['key'].str.len_chars().min() == 64\n";
+    for (packages, script) in [("pandas, pyarrow", python), ("polars", polars)] {
+        let has = std::process::Command::new("python3")
+            .args(["-c", &format!("import {packages}")])
+            .stderr(Stdio::null())
+            .status();
+        if !has.is_ok_and(|s| s.success()) {
+            skip(&format!("python3 with {packages}"));
+            continue;
+        }
+        let opened = std::process::Command::new("python3")
+            .args(["-c", script])
+            .arg(&place)
+            .arg(out.join("cells.csv"))
+            .status();
+        assert!(opened.unwrap().success(), "{packages}");
     }
-    let opened = std::process::Command::new("python3")
-        .args(["-c", python])
-        .arg(&place)
-        .arg(out.join("cells.csv"))
-        .status();
-    assert!(opened.unwrap().success());
 }
 
 #[test]

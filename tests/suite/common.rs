@@ -82,6 +82,12 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
+/// How many cells of a batch are done, while it may be at work.
+pub fn cells_done(folder: &Path) -> usize {
+    let all = folder.join("cells").read_dir().into_iter().flatten().flatten();
+    all.filter(|cell| cell.path().join("cell.json").is_file()).count()
+}
+
 /// Refused as wrong input with these words, however the message is wrapped on the screen.
 pub fn assert_refused(command: &mut Command, words: &str) {
     let output = command.assert().code(2).get_output().clone();

@@ -15,6 +15,8 @@ mod skips;
 
 mod agreement;
 mod batch_cli;
+#[cfg(target_os = "linux")]
+mod batch_slurm;
 mod bvh_cli;
 mod check_cli;
 mod compare_cli;

@@ -222,7 +222,7 @@ fn lost_standard_output_is_told_and_a_closed_pipe_is_quiet() {
 }
 
 /// Whether a signal is in a mask of a process.
-fn has(process: &str, mask: &str, signal: u32) -> bool {
+pub(crate) fn has(process: &str, mask: &str, signal: u32) -> bool {
     let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let mask = status.lines().find_map(|l| l.strip_prefix(mask));
     mask.is_some_and(|m| (u64::from_str_radix(m.trim(), 16).unwrap() >> (signal - 1)) & 1 == 1)
