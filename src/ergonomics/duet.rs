@@ -10,8 +10,8 @@
 //! P   = 1 / (1 + exp(-(0.573 + 0.747 log10 CD)))   eq. 6: injury, and pain in the last year
 //! ```
 //!
-//! `P` is the share of people in 1022 jobs of car makers with that outcome at that damage; it is no forecast
-//! for a person. Posture, vibration and contact stress do not enter. The constants were checked against a
+//! `P` is the share of people with that outcome at that damage, by 1022 people in 738 jobs of car makers; it is
+//! no forecast for a person. Posture, vibration and contact stress do not enter. The constants were checked against a
 //! summary of the paper and two published examples, not against its pages.
 
 /// Where formulas and examples were checked; for reports.

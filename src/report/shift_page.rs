@@ -6,7 +6,7 @@ use super::page::{document, list, ticked};
 use super::shift_table::table;
 use super::style::{css, method_levels};
 use crate::ergonomics::{DUET_PROVENANCE, NIOSH_PROVENANCE, ScoringMethod};
-use crate::shift::{BodyDose, Dose, ShiftResult, TaskDose};
+use crate::shift::{BodyDose, Dose, ShiftResult};
 use crate::words;
 use crate::words::number::percent;
 use crate::words::shift::minutes;
@@ -14,8 +14,10 @@ use maud::{Markup, html};
 
 /// Share of a bar from which it holds its own number.
 const NUMBERED: f64 = 0.09;
-/// Working time that was not scored, and breaks.
+/// Grounds of the time in movements, of working time that was not scored, and of breaks.
+const MOVING: &str = "background:#9fc5dd";
 const UNSCORED: &str = "background:#c9ced6";
+const OTHER: &str = "background:#e6e9ee";
 const BREAK: &str =
     "background:repeating-linear-gradient(45deg,#fff,#fff 5px,#c9ced6 5px,#c9ced6 7px)";
 
@@ -76,12 +78,8 @@ fn first_screen(result: &ShiftResult, body: &BodyDose) -> Markup {
                     }
                 }
                 @if let Some(whose) = words::shift::whose(result) { p { (ticked(&whose)) } }
-                p {
-                    "Breaks are " (minutes(time.breaks_min)) " (" (percent(time.break_share())) " of the shift)"
-                    @if time.unscored_min() > 0.0 {
-                        "; not scored are " (minutes(time.between_min)) " between movements and " (minutes(time.other_min)) " of other work"
-                    }
-                    "."
+                @if time.unscored_min() > 0.0 {
+                    p { "The " (minutes(time.unscored_min())) " of work that were not scored may add to it." }
                 }
                 @for caveat in words::shift::caveats(result) { p.caveat { "Caution: " (ticked(&caveat)) } }
             }
@@ -90,23 +88,39 @@ fn first_screen(result: &ShiftResult, body: &BodyDose) -> Markup {
     }
 }
 
-/// Minutes by level of the whole shift, and of each task, at one scale.
+/// Where the time of the shift goes, and the scored part of it by level, of the shift and of each task.
 fn bars(result: &ShiftResult, body: &BodyDose) -> Markup {
     let time = &result.time;
-    let all = time.shift_min;
+    let lead = ScoringMethod::ALL[0];
+    let whole = [
+        ("in scored movements", time.scored_min, MOVING),
+        ("between movements, not scored", time.between_min, UNSCORED),
+        ("other work, not scored", time.other_min, OTHER),
+        ("breaks", time.breaks_min, BREAK),
+    ];
+    let there = || whole.iter().filter(|(_, minutes, _)| *minutes > 0.0);
+    let parts: Vec<(f64, String)> = there().map(|(_, m, s)| (*m, (*s).to_owned())).collect();
     let of_shift = |m: ScoringMethod| -> Vec<f64> {
         body.methods[m].levels.iter().map(|l| l.at_min).collect()
     };
-    let lead = ScoringMethod::ALL[0];
     html! {
-        div.levelbars role="img" aria-label="Minutes at each action level in the shift and in each task; the same numbers stand in the tables below." {
+        h3 { "Where the " (minutes(time.shift_min)) " go" }
+        div.levelbars role="img" aria-label="Where the time of the shift goes, in minutes." {
+            span.name { "Shift" }
+            (bar(&parts, time.shift_min))
+        }
+        p.small.levelkey {
+            @for (name, m, style) in there() { span { span.swatch style=(*style) {} (name) " " (percent(m / time.shift_min)) } }
+        }
+        h3 { "The scored movements by action level" }
+        div.levelbars role="img" aria-label="Minutes of the scored movements at each action level; the same numbers stand in the tables below." {
             @for m in ScoringMethod::ALL {
-                span.name { strong { "Shift, " (m.name()) } }
-                (bar(m, &of_shift(m), [time.unscored_min(), time.breaks_min], all))
+                span.name { strong { "All, " (m.name()) } }
+                (bar(&by_level(m, &of_shift(m)), time.scored_min))
             }
             @for (t, facts) in body.methods[lead].tasks.iter().zip(&result.tasks) {
                 span.name { (facts.name) ", " (lead.name()) }
-                (bar(lead, &of_task(t), [facts.minutes - facts.moving_min, 0.0], all))
+                (bar(&by_level(lead, &t.at_min), facts.moving_min))
             }
         }
         p.small.levelkey {
@@ -114,35 +128,26 @@ fn bars(result: &ShiftResult, body: &BodyDose) -> Markup {
             @for level in method_levels(ScoringMethod::Reba) {
                 span { span.swatch style={ "background:" (css(level.color)) } {} (level.number) }
             }
-            span { span.swatch style=(UNSCORED) {} "not scored" }
-            span { span.swatch style=(BREAK) {} "break" }
         }
         p.small {
-            "Each bar is as long as the shift, numbers are minutes. RULA has levels 1 to 4, REBA 0 to 4; "
-            "3 asks for a change soon, 4 now."
+            "Numbers in the bars are minutes. RULA has levels 1 to 4, REBA 0 to 4; 3 asks for a change soon, 4 now."
         }
     }
 }
 
-fn of_task(t: &TaskDose) -> Vec<f64> {
-    t.at_min.to_vec()
+fn by_level(method: ScoringMethod, at_min: &[f64]) -> Vec<(f64, String)> {
+    let levels = method_levels(method);
+    at_min.iter().zip(&levels).map(|(m, l)| (*m, format!("background:{}", css(l.color)))).collect()
 }
 
-fn bar(method: ScoringMethod, at_min: &[f64], [unscored, breaks]: [f64; 2], all: f64) -> Markup {
-    let levels = method_levels(method);
-    let colour = |k: usize| {
-        levels.get(k).map_or_else(String::new, |l| format!("background:{}", css(l.color)))
-    };
-    let mut parts: Vec<(f64, String)> =
-        at_min.iter().enumerate().map(|(k, m)| (*m, colour(k))).collect();
-    parts.push((unscored, UNSCORED.to_owned()));
-    parts.push((breaks, BREAK.to_owned()));
+fn bar(parts: &[(f64, String)], all: f64) -> Markup {
+    let number = |min: f64| if min < 9.95 { format!("{min:.1}") } else { format!("{min:.0}") };
     html! {
         div.levelbar {
             @for (min, style) in parts {
-                @if min > 0.0 {
+                @if *min > 0.0 {
                     span style={ "width:" (format!("{:.2}", 100.0 * min / all)) "%;" (style) } {
-                        @if min / all >= NUMBERED { (format!("{min:.0}")) }
+                        @if min / all >= NUMBERED { (number(*min)) }
                     }
                 }
             }
@@ -172,9 +177,8 @@ fn tasks(result: &ShiftResult, body: &BodyDose) -> Markup {
                 th.n scope="col" { "Cycles" span.small { "each" } }
                 th.n scope="col" { "Time" span.small { "in movement" } }
                 @for m in ScoringMethod::ALL {
-                    th.n scope="col" { (m.name()) " level 3+" span.small { "of the movement" } }
                     th.n scope="col" { (m.name()) " level 3+" span.small { "90 % band" } }
-                    th.n scope="col" { "Part of all" }
+                    th.n scope="col" { "Of the movement" span.small { "part of the shift's" } }
                 }
             } }
             tbody { @for (k, t) in result.tasks.iter().enumerate() { tr {
@@ -185,9 +189,8 @@ fn tasks(result: &ShiftResult, body: &BodyDose) -> Markup {
                 td.n { (minutes(t.minutes)) span.small { (minutes(t.moving_min)) } }
                 @for m in ScoringMethod::ALL {
                     @if let Some(d) = body.methods[m].tasks.get(k) {
-                        td.n { (percent(d.share_of_movement)) }
                         (dose_cell(&d.high))
-                        td.n { (percent(d.share_of_high)) }
+                        td.n { (percent(d.share_of_movement)) span.small { (percent(d.share_of_high)) } }
                     }
                 }
             } } }
@@ -280,8 +283,8 @@ fn hands(result: &ShiftResult) -> Markup {
             } }
         }
         p.note {
-            "Ratings are yours, not predicted; posture does not enter. The share is that of people in 1022 jobs of car makers, no forecast for "
-            "a person. " (DUET_PROVENANCE)
+            "Ratings are yours, not predicted; posture does not enter. The share is that of 1022 people in plants of car makers, no forecast "
+            "for a person. " (DUET_PROVENANCE)
         }
     }
 }

@@ -118,7 +118,8 @@ pub fn read_score(place: &Path) -> Result<StoredScore, InputError> {
                 && levels.iter().all(|l| l.len() == count && l.iter().all(is_share))
         })
     };
-    if !(score.duration_s > 0.0) || score.sides.is_empty() || !score.sides.iter().all(is_whole) {
+    let lasts = score.duration_s.is_finite() && score.duration_s > 0.0;
+    if !lasts || score.sides.is_empty() || !score.sides.iter().all(is_whole) {
         let message = "holds no scores over time that could be used";
         return Err(InputError::new(&path, message).remedy("score the motion again"));
     }

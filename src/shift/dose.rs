@@ -288,14 +288,19 @@ impl Shift {
                 }
                 TaskSource::Run { result, .. } => {
                     let scored = result.setting.task.cycles_per_min;
-                    let per_min = t.cycles / t.minutes;
                     let was_repeated = scored.is_some_and(|r| r > REPEATED_PER_MIN);
                     let held = result.setting.task.hold_s.is_some_and(|s| s > 60.0);
-                    if per_min > REPEATED_PER_MIN && !was_repeated && !held {
-                        let scored_per_min = scored;
-                        notes.push(ShiftNote::RepeatedMore { task, per_min, scored_per_min });
-                    } else if was_repeated && per_min <= REPEATED_PER_MIN {
-                        notes.push(ShiftNote::RepeatedLess { task, per_min });
+                    // How cycles without a time lie in the shift is not known.
+                    let per_min = t.time_is_given.then(|| t.cycles / t.minutes);
+                    match per_min {
+                        Some(per_min) if per_min > REPEATED_PER_MIN && !was_repeated && !held => {
+                            let scored_per_min = scored;
+                            notes.push(ShiftNote::RepeatedMore { task, per_min, scored_per_min });
+                        }
+                        Some(per_min) if per_min <= REPEATED_PER_MIN && was_repeated => {
+                            notes.push(ShiftNote::RepeatedLess { task, per_min });
+                        }
+                        _ => {}
                     }
                 }
             }

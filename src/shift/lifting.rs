@@ -79,8 +79,10 @@ pub(super) fn lifting(shift: &Shift, body: &str) -> LiftingDose {
             && let Some(duration) = duration
         {
             // Tasks that alternate are averaged over all of the working time, blocks over their own.
-            let over_min =
-                if shift.order == Some(Order::Mixed) { working_min } else { task.minutes };
+            let over_min = match (shift.order, task.time_is_given) {
+                (Some(Order::Mixed), _) | (None, false) => working_min,
+                _ => task.minutes,
+            };
             let per_min = task.cycles / over_min;
             match share(task, body, per_min, duration) {
                 Some(share) => {

@@ -48,6 +48,8 @@ pub struct ShiftTask {
     pub minutes: f64,
     /// How often the movement is made.
     pub cycles: f64,
+    /// Whether the time is given, by share or minutes, and does not follow from the cycles.
+    pub time_is_given: bool,
     /// Whether the number of cycles is not given but follows from movements without a pause.
     pub without_pause: bool,
     /// What the user says that the lifting equation excludes.
@@ -154,7 +156,7 @@ pub fn read_shift(path: &Path) -> Result<Shift, InputError> {
             let message = format!(
                 "the tasks up to `{name}` take {used:.1} min; the shift has {working_min:.1} min without its breaks"
             );
-            let at = reader.time_of(table);
+            let at = time_of(table);
             return Err(reader.error(at, message).remedy(
                 "shares add up to 1 at most; lower share, minutes or cycles, or shorten the breaks",
             ));
@@ -200,13 +202,6 @@ impl Reader<'_> {
             .remedy("leave a task or break without time out of the file"))
     }
 
-    /// Where the time of a task stands.
-    fn time_of(&self, table: &TaskTable) -> Range<usize> {
-        let keys = [&table.minutes, &table.share, &table.cycles];
-        let found = keys.into_iter().flatten().next();
-        found.map_or_else(|| table.name.span(), Spanned::span)
-    }
-
     fn task(&self, table: &TaskTable, working_min: f64) -> Result<(ShiftTask, String), InputError> {
         let (source, file) = self.source(table)?;
         let hash = sha256_hex(&read_bytes(&file)?);
@@ -244,6 +239,7 @@ impl Reader<'_> {
             duration_s,
             minutes,
             cycles,
+            time_is_given: table.share.is_some() || table.minutes.is_some(),
             without_pause,
             excluded: table.excluded.clone(),
             omni_res,
@@ -293,7 +289,7 @@ impl Reader<'_> {
             Some(n) => Some(self.positive(n, "cycles")?),
             None => None,
         };
-        let at = || self.time_of(table);
+        let at = || time_of(table);
         match (given, cycles) {
             (None, None) => Err(self
                 .error(table.name.span(), format!("`{name}` has no time"))
@@ -418,4 +414,11 @@ impl Reader<'_> {
             .error(at, message)
             .remedy("it is of an older program: make the run again with this one"))
     }
+}
+
+/// Where the time of a task stands.
+fn time_of(table: &TaskTable) -> Range<usize> {
+    let keys = [&table.minutes, &table.share, &table.cycles];
+    let found = keys.into_iter().flatten().next();
+    found.map_or_else(|| table.name.span(), Spanned::span)
 }

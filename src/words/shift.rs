@@ -13,7 +13,7 @@ use crate::shift::{
 pub fn minutes(value: f64) -> String {
     match value {
         v if v.is_nan() => "unknown".to_owned(),
-        v if v == 0.0 => "0 min".to_owned(),
+        0.0 => "0 min".to_owned(),
         v if v < 0.1 => "<0.1 min".to_owned(),
         v if v < 9.95 => format!("{v:.1} min"),
         v => format!("{v:.0} min"),
@@ -42,7 +42,7 @@ pub fn headline(result: &ShiftResult) -> String {
     let high = &body.methods[lead].high;
     let unscored = match result.time.unscored_min() {
         m if m > 0.0 => {
-            format!(" {} of work were not scored and come on top, at whatever level.", minutes(m))
+            format!(" {} of work were not scored and may add to it.", minutes(m))
         }
         _ => String::new(),
     };
@@ -310,8 +310,8 @@ pub fn note(result: &ShiftResult, note: &ShiftNote) -> String {
             "The tasks are scored for different hands: RULA is of one side of the body in each.".to_owned()
         }
         ShiftNote::OnePerson => {
-            "A posture model of one person, or of nobody who repeats: a band over its single repetitions is wider than \
-             that of one worker's whole shifts, and says nothing of other workers."
+            "Nobody repeats in these runs (a posture model of one person, or fewer repetitions than people), so bands are over \
+             single repetitions: wider than those of whole shifts, in which single movements average out."
                 .to_owned()
         }
         ShiftNote::NotScored => {
