@@ -61,7 +61,9 @@ mod tests {
         assert_relative_eq!(d.mean_min, paired.mean);
         assert_relative_eq!(high, paired.high95, epsilon = 1e-9);
         assert_relative_eq!(low, paired.low95.max(0.0), epsilon = 1e-9);
-        assert_eq!(d.band90_min, Some([10.2, 27.0]));
+        let [from, to] = d.band90_min.unwrap();
+        assert_relative_eq!(from, 10.2, epsilon = 1e-12);
+        assert_relative_eq!(to, 27.0, epsilon = 1e-12);
     }
 
     /// The sum of two independent groups is one minus the other's negative: Welch's interval.
