@@ -43,6 +43,7 @@ struct Head {
 struct ScoreFile {
     source: String,
     body: String,
+    frames: usize,
     tracks: usize,
     observed_s: f64,
     sides: Vec<SideFile>,
@@ -101,10 +102,13 @@ pub fn read_score(place: &Path) -> Result<StoredScore, InputError> {
         };
         Some(StoredSide { side: s.side, at_least })
     });
+    // Each frame counts with a whole step in the observed time, which is one step more than a track lasts.
+    let (frames, tracks) = (file.frames as f64, file.tracks as f64);
+    let duration_s = file.observed_s * (frames - tracks) / frames / tracks;
     let score = StoredScore {
         source: file.source,
         body: file.body,
-        duration_s: file.observed_s / file.tracks.max(1) as f64,
+        duration_s,
         is_sampled,
         sides: sides.collect(),
     };
