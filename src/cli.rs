@@ -59,6 +59,7 @@ mod score;
 mod score_motion;
 mod score_print;
 mod shell;
+mod shift;
 mod stdout;
 mod train;
 mod train_print;
@@ -112,6 +113,8 @@ enum Command {
     Program(program::Args),
     /// Puts finished runs side by side: paths, layouts, robots or body sizes.
     Compare(compare::Args),
+    /// Adds runs and scored motions up to a worker's shift: minutes at each action level, lifting, hands.
+    Shift(shift::Args),
     /// Makes recordings motions of a body of the person's size, and says how good they are.
     Import(import::Args),
     /// Learns from recordings how a person resolves the redundancy of the body.
@@ -202,6 +205,7 @@ pub fn main() -> ExitCode {
         Command::Report(args) => report::run(&args, outputs),
         Command::Program(args) => program::run(&args, outputs),
         Command::Compare(args) => compare::run(&args, outputs),
+        Command::Shift(args) => shift::run(&args, outputs),
         Command::Import(args) => import::run(&args, outputs),
         Command::Train(args) => train::run(&args, outputs),
         Command::Adapt(args) => adapt::run(&args, outputs),

@@ -25,6 +25,7 @@ mod angles;
 mod assess;
 mod back;
 mod drivers;
+mod duet;
 mod en1005_4;
 mod exposure;
 mod iso11226;
@@ -55,6 +56,7 @@ pub use drivers::{
     Driver, RebaDriver, RebaStep, RulaStep, StepShare, drivers, reba_drivers, reba_step_courses,
     reba_step_shares, rula_step_courses, rula_step_shares,
 };
+pub use duet::{DUET_PROVENANCE, duet_damage, duet_probability};
 pub use en1005_4::{EN_1005_4_PROVENANCE, PostureUse, en_1005_4};
 pub use exposure::{
     BandOverTime, P_AT_LEAST_S, ScoreDistribution, exposure_by_rollout, score_distribution,
@@ -67,9 +69,9 @@ pub use luba::{
 };
 pub use method::{PerMethod, ScoringMethod};
 pub use niosh::{
-    LOAD_CONSTANT_KG, LiftAssessment, LiftCondition, LiftCoupling, LiftDuration, LiftLimit,
-    LiftMultipliers, LiftNote, LiftPoint, LiftTask, NIOSH_PROVENANCE, PathLift, assess_lift,
-    lift_from_path,
+    CompositeLift, CompositeStep, LOAD_CONSTANT_KG, LiftAssessment, LiftCondition, LiftCoupling,
+    LiftDuration, LiftLimit, LiftMultipliers, LiftNote, LiftPoint, LiftShare, LiftTask,
+    NIOSH_PROVENANCE, PathLift, assess_lift, composite_lift, lift_from_path,
 };
 pub(crate) use paired::t_critical_975;
 pub use paired::{FEW_PAIRS, PairedDifference, paired_difference, paired_median_difference};

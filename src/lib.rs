@@ -26,6 +26,7 @@
 //!
 //! score:  worksheets, recording or rollouts ─ scoring (survey, ergonomics) ─► sheets and sums
 //! batch:  batch file ─ batch ─► jobs, each planned or assessed once ─► tables, effects, gate ─ report ─► page
+//! shift:  shift file and finished runs ─ shift ─► ShiftResult ─ words, report ─► page and table
 //! bench:  ergobench draws stations and people, trains, plans, and judges by the people's truth
 //! ```
 //!
@@ -87,6 +88,7 @@ pub mod report;
 pub mod robot;
 pub mod scenario;
 pub mod scoring;
+pub mod shift;
 pub mod survey;
 pub mod training;
 pub mod trajectory;

@@ -33,6 +33,7 @@ mod lens;
 mod moments;
 mod near;
 mod objective;
+mod pairing;
 mod people;
 mod person;
 mod pipeline;
@@ -66,6 +67,7 @@ pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_s
 pub use findings::{Figure, Finding, Severity, Subject, Why};
 pub use layout::{Wanted, lay_out};
 pub use objective::Figures;
+pub use pairing::{Apart, apart};
 pub use pipeline::{assess, judge_truly, plan, plan_knowing};
 pub use preset::{MethodWeights, Objective, Preset, load_preset, planner_schema, preset_names};
 pub use refusal::{Hint, Refusal, RefusalKind, RefusedBy, RefusedGroup, Status};

@@ -12,6 +12,7 @@ mod motion;
 mod parts;
 mod setup;
 mod standards;
+mod stored;
 mod summary;
 mod table;
 mod views;
@@ -21,6 +22,7 @@ pub use motion::{Motion, MotionKind, Track, read_angles, read_recorded};
 pub use parts::{Angle, PARTS, Part, Step};
 pub use setup::{Answer, Declared, Input, Neck, Use, inputs};
 pub use standards::{BackTimes, LiftAsked, LubaTimes, OtherMethods};
+pub use stored::{StoredScore, StoredSide, read_score};
 pub use summary::{
     AngleSpread, DriverShare, LevelShare, OverRollouts, OverTime, PartSummary, RolloutFigures,
     SCORE_SCHEMA, SideSummary, Summary, TrackMean, summarise,

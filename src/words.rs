@@ -9,6 +9,7 @@ pub mod finding;
 pub mod hand;
 pub mod look;
 pub mod number;
+pub mod pairing;
 pub mod path;
 pub mod paths;
 pub mod program;
@@ -16,6 +17,7 @@ pub mod refusal;
 pub mod refused;
 pub mod robot;
 pub mod setting;
+pub mod shift;
 pub mod strain;
 pub mod verdict;
 

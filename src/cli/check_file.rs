@@ -10,11 +10,12 @@ use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result}
 use crate::posture::load_model;
 use crate::recording::{MAP_SCHEMA, Map, Reading, Recording, read_map, read_with};
 use crate::robot::{JointTrajectory, PRESETS, Robot};
+use crate::shift::read_shift;
 use crate::training::people::{PeopleFile, read_people_file};
 use crate::words::number::percent;
 use std::path::Path;
 
-const KNOWN: &str = "known are scenarios, planners, batches, people and maps (TOML), bodies and robots (URDF), posture models and results \
+const KNOWN: &str = "known are scenarios, planners, batches, shifts, people and maps (TOML), bodies and robots (URDF), posture models and results \
                      (JSON), recordings (MVNX, BVH, AMC, OpenSim, folders, and with --map C3D, TRC and tables), JointTrajectory \
                      (YAML, JSON) and tables (CSV)";
 
@@ -65,6 +66,9 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
     if schema.starts_with("ergopath/batch/") {
         return super::check_batch::batch(path);
     }
+    if schema.starts_with("ergopath/shift/") {
+        return shift(path);
+    }
     if schema.starts_with("ergopath/people/") {
         return Ok(people(&read_people_file(path)?));
     }
@@ -76,8 +80,25 @@ fn toml(path: &Path, name: &str) -> Result<Explained, InputError> {
     let message = format!("has {found}, so it cannot be told what it is");
     Err(InputError::new(path, message).remedy(
         "a scenario begins with schema = \"ergopath/scenario/1\", a planner with schema = \"ergopath/planner/1\", \
-         a batch with schema = \"ergopath/batch/1\", a list of people with schema = \"ergopath/people/1\", a map of markers with schema = \"ergopath/map/1\"",
+         a batch with schema = \"ergopath/batch/1\", a shift with schema = \"ergopath/shift/1\", a list of people with schema = \"ergopath/people/1\", a map of markers with schema = \"ergopath/map/1\"",
     ))
+}
+
+/// A shift; its results are read and added up.
+fn shift(path: &Path) -> Result<Explained, InputError> {
+    let shift = read_shift(path)?;
+    let result = shift.assess(path)?;
+    let count = shift.tasks.len();
+    let mut explained = Explained::new(format!("a shift of {count} tasks, `{}`", shift.name))
+        .saying(crate::words::shift::headline(&result));
+    for task in &shift.tasks {
+        let minutes = crate::words::shift::minutes(task.minutes);
+        let line =
+            format!("`{}`: {minutes}, {:.0} cycles, from {}", task.name, task.cycles, task.result);
+        explained = explained.saying(line);
+    }
+    explained.notes.extend(crate::words::shift::notes(&result));
+    Ok(explained)
 }
 
 fn map(map: &Map) -> Explained {
@@ -148,6 +169,10 @@ fn json(path: &Path) -> Result<Explained, InputError> {
         }
         "score" => {
             return Ok(Explained::new("scores of a motion, written by `ergopath score`")
+                .saying(format!("program version {}", value["program_version"])));
+        }
+        "shift-result" => {
+            return Ok(Explained::new("a shift, written by `ergopath shift`")
                 .saying(format!("program version {}", value["program_version"])));
         }
         "batch-run" => return super::check_batch::plan(path),

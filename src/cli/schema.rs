@@ -5,6 +5,7 @@ use crate::batch::batch_schema;
 use crate::files::{InputError, Outputs};
 use crate::planner::planner_schema;
 use crate::scenario::scenario_schema;
+use crate::shift::shift_schema;
 use clap::ValueEnum;
 use std::path::PathBuf;
 
@@ -27,6 +28,8 @@ enum Kind {
     Planner,
     /// Many runs (TOML).
     Batch,
+    /// A worker's shift (TOML).
+    Shift,
 }
 
 impl Kind {
@@ -35,6 +38,7 @@ impl Kind {
             Self::Scenario => "scenario",
             Self::Planner => "planner",
             Self::Batch => "batch",
+            Self::Shift => "shift",
         }
     }
 
@@ -43,6 +47,7 @@ impl Kind {
             Self::Scenario => scenario_schema(),
             Self::Planner => planner_schema(),
             Self::Batch => batch_schema(),
+            Self::Shift => shift_schema(),
         };
         // By this a schema is known as one that may be replaced (`files::signature`).
         schema["$comment"] = "ergopath/schema/1".into();

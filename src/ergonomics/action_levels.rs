@@ -26,6 +26,10 @@ pub struct ActionLevelShare {
     pub p_at_least: f64,
     /// Monte Carlo standard error of `p_at_least`; see [`ScoreDistribution::p_at_least_se`].
     pub p_at_least_se: Option<f64>,
+    /// Share of the time at this level or above in each rollout, in order; empty where it was not kept, and for
+    /// the lowest level, at which all of the time is spent or above it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_rollout: Vec<f64>,
 }
 
 /// A distribution by the action levels of a method: RULA 1-4 (1993 paper, p. 96), REBA 0-4 (2000 paper).
@@ -55,6 +59,7 @@ pub(super) fn levels(
                 exposure_se: error(&scores.exposure_se),
                 p_at_least: at(&scores.p_at_least, from_score).unwrap_or(0.0),
                 p_at_least_se: error(&scores.p_at_least_se),
+                by_rollout: Vec::new(),
             })
         })
         .collect()

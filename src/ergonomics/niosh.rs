@@ -9,8 +9,10 @@
 //! The equation is for manual lifting with *both hands*. A hand that guides a part held by a robot is
 //! outside it; [`LiftCondition`]s say so beside every figure, the figure is not withheld.
 
+mod composite;
 mod path;
 
+pub use composite::{CompositeLift, CompositeStep, LiftShare, composite_lift};
 pub use path::{PathLift, lift_from_path};
 
 use serde::{Deserialize, Serialize};
@@ -70,6 +72,17 @@ pub enum LiftCoupling {
     Fair,
     /// Bulky, slippery, hard to hold.
     Poor,
+}
+
+impl LiftCoupling {
+    /// By REBA's class, 0 good to 3 unacceptable.
+    pub fn from_reba_class(class: u8) -> Self {
+        match class {
+            0 => Self::Good,
+            1 => Self::Fair,
+            _ => Self::Poor,
+        }
+    }
 }
 
 /// What the path does not show.
@@ -167,6 +180,21 @@ pub enum LiftCondition {
     HighSpeed,
 }
 
+impl LiftCondition {
+    /// What is so, as a clause.
+    pub fn why(self) -> &'static str {
+        match self {
+            Self::OneHanded => "one hand lifts",
+            Self::SeatedOrKneeling => "the person sits or kneels",
+            Self::MechanicalHelp => "a machine carries part of the load",
+            Self::CarryingPushingPulling => "the load is carried, pushed or pulled as well",
+            Self::RestrictedSpace => "the work space is restricted",
+            Self::UnstableLoad => "the load is unstable",
+            Self::HighSpeed => "the hands are faster than 76 cm/s",
+        }
+    }
+}
+
 /// A remark on a lift.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "note", content = "value", rename_all = "snake_case")]
@@ -197,18 +225,7 @@ impl LiftNote {
     pub fn words(&self) -> String {
         match *self {
             Self::NotApplicable(condition) => {
-                let why = match condition {
-                    LiftCondition::OneHanded => "one hand lifts",
-                    LiftCondition::SeatedOrKneeling => "the person sits or kneels",
-                    LiftCondition::MechanicalHelp => "a machine carries part of the load",
-                    LiftCondition::CarryingPushingPulling => {
-                        "the load is carried, pushed or pulled as well"
-                    }
-                    LiftCondition::RestrictedSpace => "the work space is restricted",
-                    LiftCondition::UnstableLoad => "the load is unstable",
-                    LiftCondition::HighSpeed => "the hands are faster than 76 cm/s",
-                };
-                format!("The NIOSH equation does not apply: {why}.")
+                format!("The NIOSH equation does not apply: {}.", condition.why())
             }
             Self::TooFar(cm) => format!("Hands {cm:.0} cm from the ankles, above 63 cm: no load."),
             Self::NearCountsAs25(cm) => {

@@ -107,9 +107,13 @@ impl<'a> Scored<'a> {
             score_distribution(scores, self.dt, method.worst(), P_AT_LEAST_S, self.persons)?;
         let figures = self.figures(method);
         let band = |v: &[f64]| [mean(v), quantile(v, 0.05), quantile(v, 0.95)];
+        let mut levels = method.levels(&distribution);
+        for level in levels.iter_mut().skip(1) {
+            level.by_rollout = exposure_by_rollout(scores, level.from_score);
+        }
         Some(MethodScores {
             people: PeopleSpread::of(&figures.time_mean, &figures.lasts_high, self.persons),
-            levels: method.levels(&distribution),
+            levels,
             distribution,
             high_band: band(&figures.high),
             per_metre: mean(&figures.per_metre),

@@ -228,11 +228,7 @@ fn lift(scenario: &Scenario, path: &TimedPath, variant: &Variant) -> Option<Lift
         load_kg: task.load_kg,
         lifts_per_min: task.cycles_per_min.unwrap_or(SELDOM_PER_MIN),
         duration: LiftDuration::Long,
-        coupling: match task.coupling {
-            0 => LiftCoupling::Good,
-            1 => LiftCoupling::Fair,
-            _ => LiftCoupling::Poor,
-        },
+        coupling: LiftCoupling::from_reba_class(task.coupling),
         control_at_destination: true,
     };
     let mut conditions: Vec<LiftCondition> = way.condition().into_iter().collect();

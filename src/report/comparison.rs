@@ -10,7 +10,7 @@ use super::comparison_page::page;
 use super::comparison_table::table;
 use crate::ergonomics::{PairedDifference, by_person, paired_difference, unpaired_difference};
 use crate::path::Family;
-use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult};
+use crate::planner::{BodyScores, CandidateResult, Evaluated, RunResult, apart};
 use crate::words;
 use serde::Serialize;
 
@@ -287,7 +287,7 @@ fn difference(
     let theirs = best(other)?;
     let worst = || super::view::worst_body(theirs);
     let other_body = theirs.bodies.iter().find(|b| b.body == own.body).or_else(worst)?;
-    let because = not_the_same_repetitions((result, &own.body), (other, &other_body.body));
+    let because = apart((result, &own.body), (other, &other_body.body));
     let [a, b] = [own, other_body].map(|s| by_person(&s.rula().by_rollout, s.rula().persons()));
     let (mean, low95, high95, clear, repetitions) = if because.is_none() {
         let d = paired_difference(&a, &b);
@@ -303,35 +303,8 @@ fn difference(
         high95,
         clear,
         repetitions,
-        unpaired_because: because,
+        unpaired_because: because.as_ref().map(words::pairing::apart),
     })
-}
-
-/// Why rollout r of one run is not the person of rollout r of the other; none if it is.
-fn not_the_same_repetitions(
-    (a, body_a): (&RunResult, &str),
-    (b, body_b): (&RunResult, &str),
-) -> Option<String> {
-    let (pa, pb) = (&a.provenance, &b.provenance);
-    // Inputs stand in this order: scenario, model, bodies, paths.
-    let body = |r: &RunResult, name: &str| {
-        let bodies = r.provenance.inputs.iter().skip(2).take(r.setting.bodies.len());
-        bodies.filter(|(n, _)| n == name).map(|(_, h)| h.clone()).next()
-    };
-    let model = |r: &RunResult| r.provenance.inputs.get(1).map(|(_, h)| h.clone());
-    if pa.seed != pb.seed {
-        Some(format!("seeds {} and {}", pa.seed, pb.seed))
-    } else if model(a) != model(b) {
-        Some(format!("posture models {} and {}", a.posture_model.name, b.posture_model.name))
-    } else if body_a != body_b {
-        Some(format!("bodies {body_a} and {body_b}"))
-    } else if body(a, body_a) != body(b, body_b) {
-        Some(format!("two bodies named {body_a}"))
-    } else if pa.program_version != pb.program_version {
-        Some(format!("ergopath {} and {}", pa.program_version, pb.program_version))
-    } else {
-        None
-    }
 }
 
 /// The page and the table of a comparison, as (ending, bytes). The drawings of the cells need the results

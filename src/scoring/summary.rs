@@ -128,6 +128,8 @@ pub struct RolloutFigures {
     pub levels: Vec<(u8, u8, f64, f64)>,
     /// Time mean of each rollout, for paired comparisons.
     pub by_rollout: Vec<f64>,
+    /// Of each entry of `levels` the share of time at or above it in each rollout.
+    pub levels_by_rollout: Vec<Vec<f64>>,
 }
 
 /// RULA and REBA over rollouts.

@@ -32,6 +32,14 @@ const PLANNER_TABLES: [(&str, &str); 2] = [("The file", ""), ("`[objective]`", "
 /// The same for `docs/batches.md`.
 const BATCH_TABLES: [(&str, &str); 1] = [("The batch file", "")];
 
+/// The same for `docs/shift.md`.
+const SHIFT_TABLES: [(&str, &str); 4] = [
+    ("The top of the file", ""),
+    ("`[shift]`", "ShiftTable"),
+    ("`[[break]]`", "BreakTable"),
+    ("`[[task]]`", "TaskTable"),
+];
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -214,6 +222,7 @@ fn the_tables_of_keys_are_those_of_the_formats() {
     assert_tables("scenario", "scenarios.md", &SCENARIO_TABLES);
     assert_tables("planner", "planners.md", &PLANNER_TABLES);
     assert_tables("batch", "batches.md", &BATCH_TABLES);
+    assert_tables("shift", "shift.md", &SHIFT_TABLES);
 }
 
 /// What `docs/figures.py` measured: groups of steps, values and transcripts.

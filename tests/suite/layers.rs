@@ -15,6 +15,7 @@ const FLOORS: &[&[&str]] = &[
     &["posture", "path", "recording", "survey"],
     &["scenario", "training"],
     &["planner", "scoring"],
+    &["shift"],
     &["words"],
     &["batch"],
     &["report", "ergobench"],

@@ -47,6 +47,7 @@ mod recordings_real;
 mod report_cli;
 mod schema_cli;
 mod score_cli;
+mod shift_cli;
 mod shipped;
 mod train_cli;
 mod train_real;

@@ -113,7 +113,7 @@ fn a_schema_tells_units_and_choices() {
 fn schemas_completions_and_manuals_are_written() {
     let room = tempfile::tempdir().unwrap();
     ergopath().args(["schema", "-o"]).arg(room.path()).assert().success();
-    for kind in ["scenario", "planner", "batch"] {
+    for kind in ["scenario", "planner", "batch", "shift"] {
         let text =
             std::fs::read_to_string(room.path().join(format!("{kind}.schema.json"))).unwrap();
         serde_json::from_str::<Value>(&text).unwrap();

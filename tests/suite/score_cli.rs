@@ -86,7 +86,7 @@ fn a_faulty_table_ends_with_one_message_and_no_file() {
 }
 
 /// Columns of a right arm's motion: sine of the shoulder, bent elbow, thumb forward.
-fn motion(rows: usize, rate_hz: f64, per_min: f64) -> String {
+pub(crate) fn motion(rows: usize, rate_hz: f64, per_min: f64) -> String {
     let body = ergopath::human::Body::load("female_p50", Path::new(".")).unwrap();
     let arm = body.arm(ergopath::human::Side::Right).unwrap();
     let names: Vec<String> = arm.joints().iter().map(|j| format!("{}_rad", j.name)).collect();

@@ -3,8 +3,8 @@
 use super::spread::Weighted;
 use super::{LevelShare, OverRollouts, OverTime, RolloutFigures, TrackMean};
 use crate::ergonomics::{
-    P_AT_LEAST_S, REBA_WORST, RULA_WORST, reba_action_level, reba_action_words, rula_action_level,
-    rula_action_words, score_distribution,
+    P_AT_LEAST_S, REBA_WORST, RULA_WORST, exposure_by_rollout, reba_action_level,
+    reba_action_words, rula_action_level, rula_action_words, score_distribution,
 };
 use crate::scoring::{Frame, ScoredSide, ScoredTrack};
 
@@ -78,12 +78,15 @@ pub(super) fn over_rollouts(scored: &ScoredSide) -> Option<OverRollouts> {
     let figures = |of: fn(&Frame) -> u8, level: fn(u8) -> u8, worst| -> Option<RolloutFigures> {
         let scores = rollout_scores(scored, worst, of);
         let distribution = score_distribution(&scores, dt, worst, P_AT_LEAST_S, None)?;
-        let levels = level_starts(level, worst).into_iter().map(|(number, from)| {
-            let k = usize::from(from);
-            (number, from, distribution.exposure[k], distribution.p_at_least[k])
+        let starts = level_starts(level, worst);
+        let levels = starts.iter().map(|(number, from)| {
+            let k = usize::from(*from);
+            (*number, *from, distribution.exposure[k], distribution.p_at_least[k])
         });
+        let shares = starts.iter().map(|(_, from)| exposure_by_rollout(&scores, *from));
         Some(RolloutFigures {
             levels: levels.collect(),
+            levels_by_rollout: shares.collect(),
             by_rollout: scores
                 .iter()
                 .map(|s| s.iter().map(|v| f64::from(*v)).sum::<f64>() / s.len() as f64)
