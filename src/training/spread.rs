@@ -6,14 +6,14 @@
 //! For rollouts the mean includes the pull.
 //!
 //! ```text
-//! postures: mean, (1 - a) C + a diag C + floor^2,  a = 0.1; floor 1 deg, or of what varies less a third of its
-//!           standard deviation: hips of upright people stay within a centimetre
+//! postures: mean, (1 - a) C + a diag C + floor^2,  a = 0.1; floor 1 deg, or of what varies less as much as it
+//!           does: a degree's worth of the hips is 1.5 cm, and those of upright people stay within one
 //! ```
 
 use super::dataset::{Dataset, Fold, Frame, at_most, sparse};
 use super::methods::{Law, learn_laws, singular};
 use super::settings::{PullRule, TrainSettings};
-use super::way::rounded;
+use super::way::{rounded, rounded_lowness};
 use crate::files::InputError;
 use crate::math::Pose;
 use crate::math::Vec3;
@@ -30,7 +30,6 @@ const POSTURE_DIGITS: i32 = 6;
 /// Share of the diagonal in the posture covariance, and its floor, rad.
 const POSTURE_SHRINKAGE: f64 = 0.1;
 const POSTURE_FLOOR_RAD: f64 = std::f64::consts::PI / 180.0;
-const POSTURE_FLOOR_SHARE: f64 = 1.0 / 3.0;
 const LEAST_POSTURE_FLOOR_RAD: f64 = 0.1 * POSTURE_FLOOR_RAD;
 
 /// Most that can be a person's own: repetitions of nobody are alike.
@@ -82,7 +81,7 @@ pub fn learn_attraction(
             origins,
             dataset.coupling.stature_m(),
             (pull, settings.place_length, settings.attraction_noise),
-            dataset.low_places(),
+            dataset.low_places().map(rounded_lowness),
         ));
     }
     Some(Attraction::fit(
@@ -161,8 +160,7 @@ pub fn learn_postures(frames: &[&Frame]) -> PostureDistribution {
 fn shrunk(full: DMatrix<f64>) -> DMatrix<f64> {
     let diagonal = DMatrix::from_diagonal(&full.diagonal());
     let floor = diagonal.map_diagonal(|variance| {
-        let own = POSTURE_FLOOR_SHARE * variance.sqrt();
-        own.clamp(LEAST_POSTURE_FLOOR_RAD, POSTURE_FLOOR_RAD).powi(2)
+        variance.sqrt().clamp(LEAST_POSTURE_FLOOR_RAD, POSTURE_FLOOR_RAD).powi(2)
     });
     let floor = DMatrix::from_diagonal(&floor);
     full * (1.0 - POSTURE_SHRINKAGE) + diagonal * POSTURE_SHRINKAGE + floor

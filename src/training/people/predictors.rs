@@ -7,7 +7,6 @@ use super::super::rollout_check::{sampled_law, walk_path};
 use super::super::settings::TrainSettings;
 use super::super::spread::{learn_about_usual, learn_attraction, learn_postures};
 use super::super::standing::learn_standing;
-use super::super::way::no_wider;
 use crate::files::InputError;
 use crate::posture::{
     Attraction, Behaviour, Certain, Grips, HandFeatures, Method, Modes, PostureDistribution,
@@ -88,7 +87,7 @@ impl<'a> Taught<'a> {
             attraction: usual.clone().filter(|_| is_pulled),
             ..law.law.clone()
         };
-        let (mut full, repetitions) = sampled_law(dataset, &every, &laws[0], settings)?;
+        let (full, repetitions) = sampled_law(dataset, &every, &laws[0], settings)?;
         let modes = learn_modes(dataset, &laws[0], &repetitions, settings)?;
         let clock = full.noise.clock;
         let clocked = |mut law: PostureLaw| {
@@ -99,9 +98,6 @@ impl<'a> Taught<'a> {
         let diagonal = Some(diagonal);
         let hands = HandFeatures::fit(&all.iter().map(|f| f.hand).collect::<Vec<_>>(), stature_m);
         let postures = learn_about_usual(dataset, settings, learn_postures(&all));
-        if let Some(attraction) = &full.attraction {
-            full.noise = no_wider(&full.noise, attraction.pull(), &postures);
-        }
         let teachers = Some((dataset, hands));
         let standing = learn_standing(dataset);
         Ok(Self { full, diagonal, plain, usual, postures, modes, standing, teachers })
