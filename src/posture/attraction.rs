@@ -29,6 +29,7 @@ use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3};
 use nalgebra::{DMatrix, DVector, UnitQuaternion};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Length by which a rotation of the hand counts like a displacement, m/rad.
 const ROTATION_LENGTH_M: f64 = 0.3;
@@ -43,6 +44,10 @@ const SMALLEST_SPREAD_M: f64 = 0.02;
 /// Assumed: values that served five recorded people in a prototype; others were not tried here.
 const PERSON: f64 = 0.2;
 const MOVEMENT: f64 = 0.5;
+
+/// Fewest movements that a trend is learned from, three for each of its coefficients: fewer tell one person's
+/// habits, and what people do elsewhere is the mean of all postures.
+const LEAST_TREND_MOVEMENTS: usize = 21;
 
 /// Variance of the coefficients of a trend is not bounded; this, over their mean precision, keeps those that the
 /// data do not tell at zero.
@@ -369,7 +374,9 @@ impl Attraction {
             if i == j { k + noise } else { k }
         });
         let factor = Factor::new(&kernel);
+        let movements: BTreeSet<usize> = origins.iter().map(|o| o.movement).collect();
         let trend = bend
+            .filter(|_| movements.len() >= LEAST_TREND_MOVEMENTS)
             .zip(factor.as_ref())
             .and_then(|(bend, factor)| Trend::fit(bend, (&features, &inputs), factor, &postures));
         let mean =
@@ -643,12 +650,12 @@ mod tests {
         assert_relative_eq!(velocity(twist), slow * 10.0, max_relative = 1e-3);
     }
 
-    /// Three people, two movements each, who go ahead with the hand, and bend where it is below the hips; nobody
+    /// Three people, eight movements each, who go ahead with the hand, and bend where it is below the hips; nobody
     /// was seen with the hand between 0.1 and 0.5 m above them.
-    fn people() -> Attraction {
+    fn people(people: usize) -> Attraction {
         let heights = [-0.7, -0.55, -0.4, -0.25, -0.1, 0.0, 0.1, 0.5, 0.6, 0.7];
         let (mut hands, mut rows, mut origins) = (Vec::new(), Vec::new(), Vec::new());
-        for movement in 0..6 {
+        for movement in 0..8 * people {
             for (k, height) in heights.iter().enumerate() {
                 let place = Vec3::new(
                     0.2 + 0.04 * ((3 * k + movement) % 10) as f64,
@@ -657,7 +664,7 @@ mod tests {
                 );
                 hands.push(Pose::from_parts(place.into(), UnitQuaternion::identity()));
                 rows.push(nalgebra::RowDVector::from_row_slice(&usual_of_people(&place)));
-                origins.push(Origin { person: movement / 2, movement });
+                origins.push(Origin { person: movement / 8, movement });
             }
         }
         let pull = (Pull::Metre { length_m: 0.4 }, 0.15, 0.05);
@@ -671,7 +678,7 @@ mod tests {
 
     #[test]
     fn people_go_on_beyond_what_was_seen_as_they_did_beside_it() {
-        let model = people();
+        let model = people(3);
         let at = |x: f64, y: f64, z: f64| model.usual_posture(&Pose::translation(x, y, z), 1.7);
         // In the gap, and far to the side: upright, and not bent like most of the recorded postures.
         for (x, y, z) in [(0.4, 0.3, 0.1), (0.3, 0.2, 2.0), (0.3, -0.4, 2.0)] {
@@ -694,6 +701,9 @@ mod tests {
             (1.0 + own - known.confidence) / own,
             epsilon = 1e-12
         );
+        // Too few movements tell no trend.
+        let few = people(2).usual_posture(&Pose::translation(0.3, 0.2, 3.0), 1.7);
+        assert!(few.growth.is_none() && few.posture[1] < -0.05, "{few:?}");
         let back: Attraction =
             serde_json::from_str(&serde_json::to_string(&model).unwrap()).unwrap();
         let hand = Pose::translation(0.4, 0.3, 0.1);
@@ -703,7 +713,7 @@ mod tests {
     #[test]
     fn the_trend_is_that_of_generalised_least_squares() {
         // Against the normal equations with the inverse of the kernel, on postures that no trend explains.
-        let model = people();
+        let model = people(3);
         let noisy = model.regressed(|q| q.map(|v| v + (37.0 * v).sin()));
         let Mean::Trend(trend) = &noisy.mean else { panic!("no trend") };
         let count = noisy.inputs.len();

@@ -6,8 +6,8 @@
 //! For rollouts the mean includes the pull.
 //!
 //! ```text
-//! postures: mean, (1 - a) C + a diag C + floor^2,  a = 0.1; floor 1 deg, or of what varies less as much as it
-//!           does: a degree's worth of the hips is 1.5 cm, and those of upright people stay within one
+//! postures: mean, (1 - a) C + a diag C + floor^2,  a = 0.1; floor 1 deg, or of several people what varies less
+//!           as much as it does: a degree's worth of the hips is 1.5 cm, and those of upright people stay within one
 //! ```
 
 use super::dataset::{Dataset, Fold, Frame, at_most, sparse};
@@ -154,14 +154,14 @@ pub fn learn_postures(frames: &[&Frame]) -> PostureDistribution {
     let n = frames.first().map_or(0, |f| f.q.len());
     let mean = frames.iter().fold(DVector::zeros(n), |sum, f| sum + &f.q) / frames.len() as f64;
     let centred: Vec<DVector<f64>> = frames.iter().map(|f| &f.q - &mean).collect();
-    PostureDistribution::anywhere(mean, shrunk(covariance(&centred)))
+    PostureDistribution::anywhere(mean, shrunk(covariance(&centred), POSTURE_FLOOR_RAD))
 }
 
-fn shrunk(full: DMatrix<f64>) -> DMatrix<f64> {
+/// With a floor that is not below `least`, rad.
+fn shrunk(full: DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let diagonal = DMatrix::from_diagonal(&full.diagonal());
-    let floor = diagonal.map_diagonal(|variance| {
-        variance.sqrt().clamp(LEAST_POSTURE_FLOOR_RAD, POSTURE_FLOOR_RAD).powi(2)
-    });
+    let floor =
+        diagonal.map_diagonal(|variance| variance.sqrt().clamp(least, POSTURE_FLOOR_RAD).powi(2));
     let floor = DMatrix::from_diagonal(&floor);
     full * (1.0 - POSTURE_SHRINKAGE) + diagonal * POSTURE_SHRINKAGE + floor
 }
@@ -223,9 +223,10 @@ fn about_usual(dataset: &Dataset, settings: &TrainSettings) -> Option<Spread> {
         folds.push(departures.collect());
     }
     let all: Vec<&Departure> = folds.iter().flatten().collect();
-    let whole = spread_of(&all, |_| 1.0)?;
-    let low = lowness.filter(|_| is_likelier_by_height(&folds));
-    let (covariance, low) = match low.and_then(|lowness| Some((lowness, by_height(&all)?))) {
+    let least = if dataset.is_of_people() { LEAST_POSTURE_FLOOR_RAD } else { POSTURE_FLOOR_RAD };
+    let whole = spread_of(&all, least, |_| 1.0)?;
+    let low = lowness.filter(|_| is_likelier_by_height(&folds, least));
+    let (covariance, low) = match low.and_then(|lowness| Some((lowness, by_height(&all, least)?))) {
         Some((lowness, [high, about_usual])) => (high, Some(LowPostures { lowness, about_usual })),
         None => (whole, None),
     };
@@ -271,7 +272,11 @@ fn own_share(
 }
 
 /// Shrunk weighted second moment; none where nothing is known.
-fn spread_of(all: &[&Departure], weight: impl Fn(&Departure) -> f64) -> Option<DMatrix<f64>> {
+fn spread_of(
+    all: &[&Departure],
+    least: f64,
+    weight: impl Fn(&Departure) -> f64,
+) -> Option<DMatrix<f64>> {
     let n = all.first()?.off.len();
     let (mut sum, mut known) = (DMatrix::zeros(n, n), 0.0);
     for d in all {
@@ -279,21 +284,21 @@ fn spread_of(all: &[&Departure], weight: impl Fn(&Departure) -> f64) -> Option<D
         sum.ger(own, &d.off, &d.off, 1.0);
         known += own;
     }
-    (known > 0.0).then(|| shrunk(sum / known))
+    (known > 0.0).then(|| shrunk(sum / known, least))
 }
 
 /// Of hands that are not low, and of those that are.
-fn by_height(all: &[&Departure]) -> Option<[DMatrix<f64>; 2]> {
-    Some([spread_of(all, |d| 1.0 - d.low)?, spread_of(all, |d| d.low)?])
+fn by_height(all: &[&Departure], least: f64) -> Option<[DMatrix<f64>; 2]> {
+    Some([spread_of(all, least, |d| 1.0 - d.low)?, spread_of(all, least, |d| d.low)?])
 }
 
 /// Whether departures that were left out are likelier where their spread goes by the height of the hand.
-fn is_likelier_by_height(folds: &[Vec<Departure>]) -> bool {
+fn is_likelier_by_height(folds: &[Vec<Departure>], least: f64) -> bool {
     let gain = |left_out: usize| -> Option<f64> {
         let others = folds.iter().enumerate().filter(|(f, _)| *f != left_out);
         let others: Vec<&Departure> = others.flat_map(|(_, own)| own).collect();
-        let whole = spread_of(&others, |_| 1.0)?;
-        let [high, low] = by_height(&others)?;
+        let whole = spread_of(&others, least, |_| 1.0)?;
+        let [high, low] = by_height(&others, least)?;
         let own = folds[left_out].iter().map(|d| {
             let here = &high * (1.0 - d.low) + &low * d.low;
             Some(d.known * (log_density(&here, &d.off)? - log_density(&whole, &d.off)?))
@@ -342,10 +347,11 @@ mod tests {
             };
             (0..4).map(fold).collect()
         };
-        assert!(!is_likelier_by_height(&folds(0.1)));
+        assert!(!is_likelier_by_height(&folds(0.1), POSTURE_FLOOR_RAD));
         let two = folds(0.3);
-        assert!(is_likelier_by_height(&two));
-        let [high, low] = by_height(&two.iter().flatten().collect::<Vec<_>>()).unwrap();
+        assert!(is_likelier_by_height(&two, POSTURE_FLOOR_RAD));
+        let [high, low] =
+            by_height(&two.iter().flatten().collect::<Vec<_>>(), POSTURE_FLOOR_RAD).unwrap();
         let floor = POSTURE_FLOOR_RAD.powi(2);
         let sd = |m: &DMatrix<f64>| (m.trace() / 3.0 - floor).sqrt();
         assert!((sd(&high) - 0.1).abs() < 0.01 && (sd(&low) - 0.3).abs() < 0.03);
