@@ -94,10 +94,10 @@ impl PeopleSpread {
         let left = (&m - fitted).norm_squared() / (n - k - 1) as f64;
         let all = std_dev(&self.by_person).powi(2);
         let chance = self.within_sd.powi(2) * n as f64 / repetitions.max(n) as f64;
-        Some(SizeSplit {
-            size_sd: (all - left).max(0.0).sqrt(),
-            way_sd: (left - chance).max(0.0).sqrt(),
-        })
+        // Together they are no more than people differ, which chance may leave at nothing.
+        let size = (all - left).clamp(0.0, self.between_sd.powi(2));
+        let way = (left - chance).clamp(0.0, self.between_sd.powi(2) - size);
+        Some(SizeSplit { size_sd: size.sqrt(), way_sd: way.sqrt() })
     }
 
     /// Who has the highest mean.
