@@ -95,8 +95,9 @@ impl PeopleSpread {
         let all = std_dev(&self.by_person).powi(2);
         let chance = self.within_sd.powi(2) * n as f64 / repetitions.max(n) as f64;
         // Together they are no more than people differ, which chance may leave at nothing.
-        let size = (all - left).clamp(0.0, self.between_sd.powi(2));
-        let way = (left - chance).clamp(0.0, self.between_sd.powi(2) - size);
+        let most = self.between_sd.powi(2);
+        let size = (all - left).min(most).max(0.0);
+        let way = (left - chance).min(most - size).max(0.0);
         Some(SizeSplit { size_sd: size.sqrt(), way_sd: way.sqrt() })
     }
 
