@@ -5,7 +5,7 @@ use crate::common::{assert_refused, cells_done, files, workplace};
 use crate::outputs_cli::has;
 use crate::skips::skip;
 use assert_cmd::Command;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -169,9 +169,10 @@ impl Cluster {
         String::from_utf8_lossy(&command.output().unwrap().stdout).trim().to_owned()
     }
 
-    /// Tasks of arrays that are at work.
-    fn running(&self) -> usize {
-        self.ask("squeue", &["-h", "--array", "--states=RUNNING", "--format=%K"]).lines().count()
+    /// Shards whose tasks are at work. One that has written its cells may still be among them.
+    fn running(&self) -> BTreeSet<usize> {
+        let shards = self.ask("squeue", &["-h", "--array", "--states=RUNNING", "--format=%K"]);
+        shards.lines().filter_map(|l| l.trim().parse().ok()).collect()
     }
 
     /// Processes of jobs on a node: the scripts, what watches over them, and what they have started.
@@ -272,11 +273,14 @@ impl Place<'_> {
     }
 
     /// The command, running.
-    fn started(&self) -> Child {
+    fn started(&self) -> Run {
+        let log = self.folder.join("said.txt");
+        let file = std::fs::File::create(&log).unwrap();
         let mut command = std::process::Command::new(PROGRAM);
         command.args(self.arguments()).env("SLURM_CONF", self.cluster.place("slurm.conf"));
         command.env("ERGOPATH", self.folder.join("waits"));
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        command.stdin(Stdio::null()).stdout(file.try_clone().unwrap()).stderr(file);
+        Run { child: command.spawn().unwrap(), log }
     }
 
     /// From now on these shards wait before they begin.
@@ -299,12 +303,24 @@ impl Place<'_> {
     }
 }
 
-/// The end of a running command: its code and all that it said.
-fn ended(child: Child) -> (Option<i32>, String) {
-    let output = child.wait_with_output().unwrap();
-    let said = [output.stdout, output.stderr].concat();
-    let flat = String::from_utf8_lossy(&said).replace(['\n', '│'], " ");
-    (output.status.code(), flat.split_whitespace().collect::<Vec<_>>().join(" "))
+/// A command that runs, and the file of all that it says.
+struct Run {
+    child: Child,
+    log: PathBuf,
+}
+
+impl Run {
+    fn said(&self) -> String {
+        let said = std::fs::read(&self.log).unwrap();
+        let flat = String::from_utf8_lossy(&said).replace(['\n', '│'], " ");
+        flat.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// Its end: its code and all that it said.
+    fn ended(mut self) -> (Option<i32>, String) {
+        let status = self.child.wait().unwrap();
+        (status.code(), self.said())
+    }
 }
 
 fn tables(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -431,26 +447,28 @@ fn plain_run(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>>) 
 fn interrupted_and_cancelled(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>>) {
     let place = Place::new(cluster, room, "left");
     place.hold("2/3 3/3");
-    let child = place.started();
-    wait_for("the first two cells", || {
-        (place.cells() == 2 && cluster.running() == 2).then_some(())
+    let run = place.started();
+    wait_for("the first two cells, and the tasks that are held", || {
+        (place.cells() == 2 && cluster.running() == [2, 3].into()).then_some(())
     });
     // Started in the background of a script, a program is told to ignore Ctrl-C.
     let signal = if has("self", "SigIgn:", 2) { "-TERM" } else { "-INT" };
     let interrupt =
-        std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
+        std::process::Command::new("kill").args([signal, &run.child.id().to_string()]).status();
     assert!(interrupt.unwrap().success());
-    let (code, said) = ended(child);
+    let (code, said) = run.ended();
     assert!(code == Some(130) && said.contains("the jobs go on"), "{code:?} {said}");
-    assert_eq!(cluster.running(), 2);
+    assert_eq!(cluster.running(), [2, 3].into());
 
     // The same command follows them and submits nothing; the jobs are cancelled, then it is run once more.
-    let child = place.started();
-    std::thread::sleep(Duration::from_secs(1));
+    let run = place.started();
+    wait_for("that it follows", || {
+        run.said().contains("is queued or running already").then_some(())
+    });
     let name = cluster.ask("squeue", &["-h", "--format=%j"]);
     let name = name.lines().next().unwrap();
     cluster.ask("scancel", &[&format!("--name={name}")]);
-    let (code, said) = ended(child);
+    let (code, said) = run.ended();
     assert!(said.contains("is queued or running already") && !said.contains("6 cells,"), "{said}");
     assert!(
         code == Some(1) && said.contains("4 cells have no result: 2, 3, 5, 6"),
@@ -467,7 +485,7 @@ fn interrupted_and_cancelled(cluster: &Cluster, room: &Path, plain: &BTreeMap<St
 fn killed_twice(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>>) {
     let place = Place::new(cluster, room, "killed");
     place.hold("2/3");
-    let child = place.started();
+    let run = place.started();
     let mut killed: Vec<u32> = Vec::new();
     for _ in 0..2 {
         let held = format!("{}/waits batch .*--shard 2/3", room.display());
@@ -478,7 +496,7 @@ fn killed_twice(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>
         kill(&[pid]);
         killed.push(pid);
     }
-    let (code, said) = ended(child);
+    let (code, said) = run.ended();
     assert!(code == Some(1) && said.contains("2 cells have no result: 2, 5"), "{code:?} {said}");
     assert!(
         said.contains("attempt 2 of shard 2") && said.contains("ended with code 137"),
@@ -505,13 +523,13 @@ fn full_disk(cluster: &Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>>) 
     let _disk = Mounted(disk.clone());
     let place = Place::new(cluster, room, "disk/out");
     place.hold("1/3 2/3 3/3");
-    let child = place.started();
-    wait_for("two tasks", || (cluster.running() == 2).then_some(()));
+    let run = place.started();
+    wait_for("two tasks", || (cluster.running().len() == 2).then_some(()));
     let ballast = disk.join("ballast");
     let filled = std::fs::write(&ballast, vec![0u8; 4 << 20]);
     assert!(filled.is_err(), "the disk is not full");
     place.release();
-    let (code, said) = ended(child);
+    let (code, said) = run.ended();
     assert!(code == Some(1) && said.contains("have no result"), "{code:?} {said}");
     std::fs::remove_file(&ballast).unwrap();
     place.command().assert().success();
@@ -557,9 +575,9 @@ fn unseen_folder(cluster: &mut Cluster, room: &Path) {
 fn dead_node(cluster: &mut Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8>>) {
     let place = Place::new(cluster, room, "dead");
     place.hold("2/3");
-    let child = place.started();
+    let run = place.started();
     wait_for("four cells, and the last task", || {
-        (place.cells() == 4 && cluster.running() == 1).then_some(())
+        (place.cells() == 4 && cluster.running() == [2].into()).then_some(())
     });
     let output = place.output.clone();
     let node = cluster.ask("squeue", &["-h", "--array", "--states=RUNNING", "--format=%N"]);
@@ -567,7 +585,7 @@ fn dead_node(cluster: &mut Cluster, room: &Path, plain: &BTreeMap<String, Vec<u8
     let place = Place { cluster, folder: room, output };
     place.release();
     // Slurm sees by itself that the node is gone, and starts the task on the other.
-    let (code, said) = ended(child);
+    let (code, said) = run.ended();
     assert!(code == Some(0) && said.contains("6 cells: 6 with a path"), "{code:?} {said}");
     place.assert_whole(plain);
 }
