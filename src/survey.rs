@@ -76,6 +76,51 @@ pub struct PostureAngles {
     pub l5s1_nm: f64,
 }
 
+/// Of one posture what the scores look at, the head held by one rule.
+#[derive(Debug, Clone, Copy)]
+pub struct ScoredAngles {
+    body: TrunkNeckAngles,
+    arm: ArmAngles,
+    /// Where it holds on as well.
+    other: Option<ArmAngles>,
+    legs: LegAngles,
+}
+
+impl ScoredAngles {
+    fn score_by(
+        &self,
+        lens: &Lens,
+        fill: impl Fn(&TrunkNeckAngles, &ArmAngles, &TaskInputs) -> Worksheet,
+    ) -> Sheet {
+        let task = self.legs.task(lens);
+        let own = Sheet::of(&fill(&self.body, &self.arm, &task), &lens.profile);
+        let Some(other) = &self.other else { return own };
+        let other = Sheet::of(&fill(&self.body, other, &task), &lens.profile);
+        Sheet {
+            rula: if other.rula.grand > own.rula.grand { other.rula } else { own.rula },
+            reba: if other.reba.total > own.reba.total { other.reba } else { own.reba },
+        }
+    }
+}
+
+/// What can be scored.
+pub trait Scorable: Send + Sync {
+    /// By all scoring methods.
+    fn score(&self, lens: &Lens) -> Sheet;
+}
+
+impl Scorable for ScoredAngles {
+    fn score(&self, lens: &Lens) -> Sheet {
+        self.score_by(lens, |body, arm, task| worksheet(body, arm, task, &lens.profile))
+    }
+}
+
+impl Scorable for PostureAngles {
+    fn score(&self, lens: &Lens) -> Sheet {
+        self.scored(lens).score(lens)
+    }
+}
+
 /// The legs of one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LegAngles {
@@ -100,6 +145,16 @@ impl LegAngles {
         }
     }
 
+    /// The task with what the legs do.
+    fn task(&self, lens: &Lens) -> TaskInputs {
+        let [right, left] = self.knees_deg;
+        TaskInputs {
+            knee_flex_deg: right.max(left),
+            legs_unbalanced: lens.task.legs_unbalanced || self.is_unstable,
+            ..lens.task
+        }
+    }
+
     /// Of somebody who stands and was recorded: knees, and the lower heel where it is known (deg).
     pub fn recorded(knees_deg: [f64; 2], heels_deg: Option<f64>) -> Self {
         let heels_deg = heels_deg.unwrap_or(0.0);
@@ -121,21 +176,7 @@ impl PostureAngles {
 
     /// Trunk, and the neck of a head that is held otherwise.
     pub fn with_head(&self, head: Head) -> TrunkNeckAngles {
-        let own = self.trunk_neck(NeckRule::Neutral);
-        let upright = Rotation::identity();
-        let turned = trunk_neck_angles(&BodyPose {
-            pelvis: upright,
-            thorax: upright,
-            head: head.rotation().to_rotation_matrix(),
-            l5s1: Vec3::zeros(),
-            c7t1: Vec3::y(),
-        });
-        TrunkNeckAngles {
-            neck_flex_deg: turned.neck_flex_deg,
-            neck_side_deg: turned.neck_side_deg,
-            neck_twist_deg: turned.neck_twist_deg,
-            ..*own
-        }
+        self.trunk_neck(NeckRule::Neutral).with_head(&head.rotation().to_rotation_matrix())
     }
 
     /// The head as it is drawn: predicted, or looking at the part; by the old rules as predicted too.
@@ -145,12 +186,13 @@ impl PostureAngles {
 
     /// The task with what the legs do.
     pub fn task(&self, lens: &Lens) -> TaskInputs {
-        let [right, left] = self.legs.knees_deg;
-        TaskInputs {
-            knee_flex_deg: right.max(left),
-            legs_unbalanced: lens.task.legs_unbalanced || self.legs.is_unstable,
-            ..lens.task
-        }
+        self.legs.task(lens)
+    }
+
+    /// What the scores look at.
+    pub fn scored(&self, lens: &Lens) -> ScoredAngles {
+        let other = lens.both_hands.then_some(self.other);
+        ScoredAngles { body: *self.trunk_neck(lens.neck), arm: self.arm, other, legs: self.legs }
     }
 
     /// By all scoring methods, the sheets filled in by `fill`; of two hands the worse side counts.
@@ -159,21 +201,7 @@ impl PostureAngles {
         lens: &Lens,
         fill: impl Fn(&TrunkNeckAngles, &ArmAngles, &TaskInputs) -> Worksheet,
     ) -> Sheet {
-        let (body, task) = (self.trunk_neck(lens.neck), self.task(lens));
-        let own = Sheet::of(&fill(body, &self.arm, &task), &lens.profile);
-        if !lens.both_hands {
-            return own;
-        }
-        let other = Sheet::of(&fill(body, &self.other, &task), &lens.profile);
-        Sheet {
-            rula: if other.rula.grand > own.rula.grand { other.rula } else { own.rula },
-            reba: if other.reba.total > own.reba.total { other.reba } else { own.reba },
-        }
-    }
-
-    /// By all scoring methods.
-    pub fn score(&self, lens: &Lens) -> Sheet {
-        self.score_by(lens, |body, arm, task| worksheet(body, arm, task, &lens.profile))
+        self.scored(lens).score_by(lens, fill)
     }
 
     /// RULA of the other arm: no load, no coupling, unless it holds on too.
@@ -203,6 +231,11 @@ pub struct Surveyor {
     chain: Linkage,
     balance: Balance,
     load_kg: f64,
+    coupled: Coupled,
+    /// Centres of C7/T1 and of a straight head in the axes of the thorax, m.
+    on_thorax: [Vec3; 2],
+    /// Legs of a pelvis that rests; none where it moves.
+    resting_legs: Option<LegAngles>,
 }
 
 /// The segments that scores need, found once.
@@ -278,7 +311,26 @@ impl Surveyor {
         let names: Vec<&str> = links.iter().map(String::as_str).collect();
         let chain = body.chain(coupled, &names)?;
         let balance = Balance::new(body, coupled, (&chain, whole.legs()), load_kg)?;
-        Ok(Self { upper, whole, bones, head, rest, chain, balance, load_kg })
+        let still = upper.skeleton.pose(&vec![0.0; upper.skeleton.dof()]);
+        let on_thorax = [upper.neck, upper.head]
+            .map(|s| (still.at(upper.t8).inverse() * still.at(s)).translation.vector);
+        let resting_legs = (coupled.pelvis.free() == 0).then(|| {
+            let legs = whole.legs();
+            LegAngles::of(&legs.postures(&Pose::identity()), legs.hang())
+        });
+        Ok(Self {
+            upper,
+            whole,
+            bones,
+            head,
+            rest,
+            chain,
+            balance,
+            load_kg,
+            coupled,
+            on_thorax,
+            resting_legs,
+        })
     }
 
     /// All joints and the pelvis' coordinates by name, in the order of [`Surveyor::whole`].
@@ -301,22 +353,12 @@ impl Surveyor {
     pub fn measure(&self, q: &DVector<f64>, draw: &HeadDraw) -> PostureAngles {
         let parts = &self.upper;
         let posed = parts.skeleton.pose(&parts.skeleton.whole(q.as_slice(), Head::default()));
-        let mut body = self.body_pose(&posed);
+        let body = self.body_pose(&posed);
         let neutral = trunk_neck_angles(&body);
         let [arm, other] = parts.arms.map(|a| measure_arm(&posed, &self.rest, a, &body));
         let sight = self.sight(&posed, neutral.trunk_flex_deg.to_radians());
-        let thorax = body.thorax;
-        let heads = NeckRule::ALL.map(|rule| sight.head(rule, draw));
-        let necks = [0, 1, 2, 3].map(|i| {
-            if NeckRule::ALL[i] == NeckRule::Neutral {
-                return neutral;
-            }
-            body.head = match NeckRule::ALL[i] {
-                NeckRule::Gaze => thorax * heads[i].about_axes().to_rotation_matrix(),
-                _ => thorax * heads[i].rotation().to_rotation_matrix(),
-            };
-            trunk_neck_angles(&body)
-        });
+        let heads = [NeckRule::Predicted, NeckRule::Looking].map(|rule| sight.head(rule, draw));
+        let necks = NeckRule::ALL.map(|rule| neutral.with_head(&sight.turned(rule, draw)));
         let legs = parts.skeleton.legs();
         let angles = LegAngles::of(&parts.skeleton.leg_postures(q.as_slice()), legs.hang());
         let mut frames = Frames::default();
@@ -329,14 +371,47 @@ impl Surveyor {
             self.balance.margin_m(&centre, angles.heels_deg.to_radians())
         });
         let l5s1_nm = GRAVITY * self.balance.lever_kg_m(&self.chain, &frames);
-        PostureAngles {
-            necks,
-            arm,
-            other,
-            legs: angles,
-            heads: [heads[0], heads[1]],
-            margin_m,
-            l5s1_nm,
+        PostureAngles { necks, arm, other, legs: angles, heads, margin_m, l5s1_nm }
+    }
+
+    /// Of the same posture only what the scores look at; `frames`: scratch.
+    pub fn scored(
+        &self,
+        q: &DVector<f64>,
+        draw: &HeadDraw,
+        lens: &Lens,
+        frames: &mut Frames,
+    ) -> ScoredAngles {
+        self.chain.forward(q.as_slice(), frames);
+        let turn = self.rest.rotation.to_rotation_matrix();
+        let at = |tip: usize| {
+            let (p, r) = self.chain.tip_frame(frames, tip);
+            let place = turn * p + self.rest.translation.vector;
+            (place, turn * Rotation::from_matrix_unchecked(r))
+        };
+        // As `Balance::links` has them.
+        let grips = self.coupled.hands.sides().len();
+        let [pelvis, l5, t8] = [grips, grips + 1, grips + 4];
+        let ((chest, thorax), (l5s1, _)) = (at(t8), at(l5));
+        let [neck, head] = self.on_thorax.map(|on_thorax| chest + thorax * on_thorax);
+        let body = BodyPose { pelvis: at(pelvis).1, thorax, head: thorax, l5s1, c7t1: neck };
+        let neutral = trunk_neck_angles(&body);
+        let arm = |i: usize| {
+            let first = t8 + 1 + 4 * i;
+            let [girdle, upper, fore, hand] = [0, 1, 2, 3].map(|k| at(first + k));
+            arm_angles(&body, &self.upper.arms[i].pose(girdle.0, [upper, fore, hand]))
+        };
+        let (grip, _) = at(0);
+        let sight = Sight::new(&thorax, &head, &grip, neutral.trunk_flex_deg.to_radians());
+        let legs = self.resting_legs.unwrap_or_else(|| {
+            let skeleton = &self.upper.skeleton;
+            LegAngles::of(&skeleton.leg_postures(q.as_slice()), skeleton.legs().hang())
+        });
+        ScoredAngles {
+            body: neutral.with_head(&sight.turned(lens.neck, draw)),
+            arm: arm(0),
+            other: lens.both_hands.then(|| arm(1)),
+            legs,
         }
     }
 
@@ -366,7 +441,7 @@ impl Surveyor {
         let at = |segment: Segment| self.rest * posed.at(segment);
         let (head, hand) = (at(self.upper.head), at(self.upper.grip));
         let (head, hand) = (head.translation.vector, hand.translation.vector);
-        Sight::new(&at(self.upper.t8), &head, &hand, inclination)
+        Sight::new(&rotation(&at(self.upper.t8)), &head, &hand, inclination)
     }
 
     /// Bones as segments in the world, for drawings.
@@ -397,31 +472,42 @@ fn measure_arm(
 }
 
 fn arm_pose(posed: &PosedSkeleton, pelvis: &Pose, segments: ArmSegments) -> ArmPose {
-    let at = |segment: Segment| pelvis * posed.at(segment);
-    let (girdle, upper) = (at(segments.girdle), at(segments.upper));
-    let (fore, hand) = (at(segments.fore), at(segments.hand));
-    ArmPose {
-        side: match segments.side {
-            Side::Right => ScoreSide::Right,
-            Side::Left => ScoreSide::Left,
-        },
-        upper_arm: rotation(&upper),
-        forearm: rotation(&fore),
-        hand: rotation(&hand),
-        shoulder: upper.translation.vector,
-        elbow: fore.translation.vector,
-        wrist: hand.translation.vector,
-        sternoclavicular: girdle.translation.vector,
-        // The clavicle of our bodies is level at zero.
-        girdle_neutral_deg: 0.0,
-        shoulder_lateral_m: segments.shoulder_lateral_m,
+    let at = |segment: Segment| {
+        let pose = pelvis * posed.at(segment);
+        (pose.translation.vector, rotation(&pose))
+    };
+    let limb = [segments.upper, segments.fore, segments.hand].map(at);
+    segments.pose(at(segments.girdle).0, limb)
+}
+
+impl ArmSegments {
+    /// The arm with the inner end of its girdle somewhere, and its limb: upper arm, forearm and hand.
+    fn pose(&self, girdle: Vec3, limb: [(Vec3, Rotation); 3]) -> ArmPose {
+        let [(shoulder, upper_arm), (elbow, forearm), (wrist, hand)] = limb;
+        ArmPose {
+            side: match self.side {
+                Side::Right => ScoreSide::Right,
+                Side::Left => ScoreSide::Left,
+            },
+            upper_arm,
+            forearm,
+            hand,
+            shoulder,
+            elbow,
+            wrist,
+            sternoclavicular: girdle,
+            // The clavicle of our bodies is level at zero.
+            girdle_neutral_deg: 0.0,
+            shoulder_lateral_m: self.shoulder_lateral_m,
+        }
     }
 }
 
 /// Head that faces a hand.
 fn gaze(thorax: &Pose, head_at: &Vec3, hand: &Vec3) -> Rotation {
-    let facing = Sight::new(thorax, head_at, hand, 0.0).head(NeckRule::Gaze, &HeadDraw::default());
-    (thorax.rotation * facing.about_axes()).to_rotation_matrix()
+    let thorax = rotation(thorax);
+    let sight = Sight::new(&thorax, head_at, hand, 0.0);
+    thorax * sight.turned(NeckRule::Gaze, &HeadDraw::default())
 }
 
 fn rotation(pose: &Pose) -> Rotation {
@@ -513,6 +599,69 @@ mod tests {
         let straight = a.with_head(Head::default());
         assert!(straight.neck_flex_deg.abs() < 1e-9 && straight.neck_twist_deg.abs() < 1e-9);
         assert!(own.neck_flex_deg.abs() > 0.1 && own.neck_twist_deg.abs() > 0.1);
+    }
+
+    #[test]
+    fn what_is_scored_is_a_part_of_what_is_measured() {
+        use crate::human::{Hands, Pelvis};
+        let body = Body::load("female_p50", std::path::Path::new(".")).unwrap();
+        let standing = Stance::Standing { shoe_m: 0.03 };
+        let seated = Stance::Seated { seat_height_m: 0.6, footrest_m: 0.0 };
+        for (hands, pelvis, stance) in [
+            (Hands::Right, Pelvis::Rests, standing),
+            (Hands::Left, Pelvis::Turns, seated),
+            (Hands::Both, Pelvis::Moves, standing),
+        ] {
+            let rest = body.pelvis_pose([0.4, -0.2], 0.9, stance);
+            let coupled = Coupled { hands, pelvis };
+            let surveyor = Surveyor::new(&body, coupled, rest, (stance, 2.0)).unwrap();
+            let dof = body.chain(coupled, &[]).unwrap().dof();
+            let draw = HeadDraw::mean((hands != Hands::Both).then(|| hands.lead()));
+            for (rule, k) in NeckRule::ALL.into_iter().zip(0..) {
+                let profile = Profile::default();
+                let task = TaskInputs::default();
+                let lens = Lens { task, neck: rule, both_hands: hands == Hands::Both, profile };
+                let q = DVector::from_fn(dof, |i, _| 0.3 * f64::sin((7 * i + k) as f64));
+                let whole = surveyor.measure(&q, &draw).scored(&lens);
+                let part = surveyor.scored(&q, &draw, &lens, &mut Frames::default());
+                let all = |a: &ScoredAngles| {
+                    let (t, l) = (a.body, a.legs);
+                    let arms = [Some(a.arm), a.other].into_iter().flatten().flat_map(|a| {
+                        [
+                            a.upper_arm_flex_deg,
+                            a.upper_arm_abduction_deg,
+                            a.upper_arm_elevation_deg,
+                            a.girdle_elevation_deg,
+                            a.elbow_flex_deg,
+                            a.wrist_flex_deg,
+                            a.wrist_deviation_deg,
+                            a.wrist_twist_deg,
+                            a.wrist_lateral_m,
+                            a.wrist_beyond_shoulder_m,
+                        ]
+                    });
+                    [
+                        t.trunk_flex_deg,
+                        t.trunk_side_deg,
+                        t.trunk_twist_deg,
+                        t.neck_flex_deg,
+                        t.neck_side_deg,
+                        t.neck_twist_deg,
+                        l.knees_deg[0],
+                        l.knees_deg[1],
+                        l.heels_deg,
+                    ]
+                    .into_iter()
+                    .chain(arms)
+                    .collect::<Vec<f64>>()
+                };
+                let (whole, part) = (all(&whole), all(&part));
+                assert_eq!(whole.len(), if hands == Hands::Both { 29 } else { 19 });
+                for (a, b) in whole.iter().zip(&part) {
+                    assert!((a - b).abs() < 1e-7, "{hands:?} {rule:?}: {whole:?} {part:?}");
+                }
+            }
+        }
     }
 
     #[test]

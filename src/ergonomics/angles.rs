@@ -128,16 +128,27 @@ pub fn trunk_neck_angles(body: &BodyPose) -> TrunkNeckAngles {
     let forward = heading(body);
     let right = forward.cross(&up);
     let pelvis_thorax = body.pelvis.inverse() * body.thorax;
-    let thorax_head = body.thorax.inverse() * body.head;
-    let head_up = thorax_head * Vec3::y();
-    let (_, neck_flex, neck_side) = swing(head_up.y, head_up.x, head_up.z);
-    TrunkNeckAngles {
+    let trunk = TrunkNeckAngles {
         trunk_flex_deg: axis.dot(&forward).atan2(axis.dot(&up)).to_degrees(),
         trunk_side_deg: axis.dot(&right).clamp(-1.0, 1.0).asin().to_degrees(),
         trunk_twist_deg: twist(&pelvis_thorax, 1.0).to_degrees(),
-        neck_flex_deg: neck_flex.to_degrees(),
-        neck_side_deg: neck_side.to_degrees(),
-        neck_twist_deg: twist(&thorax_head, 1.0).to_degrees(),
+        ..TrunkNeckAngles::default()
+    };
+    trunk.with_head(&(body.thorax.inverse() * body.head))
+}
+
+impl TrunkNeckAngles {
+    /// The same trunk with a head that is turned so in the axes of the thorax.
+    #[must_use]
+    pub fn with_head(&self, thorax_head: &Rotation) -> Self {
+        let head_up = thorax_head * Vec3::y();
+        let (_, neck_flex, neck_side) = swing(head_up.y, head_up.x, head_up.z);
+        Self {
+            neck_flex_deg: neck_flex.to_degrees(),
+            neck_side_deg: neck_side.to_degrees(),
+            neck_twist_deg: twist(thorax_head, 1.0).to_degrees(),
+            ..*self
+        }
     }
 }
 

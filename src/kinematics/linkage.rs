@@ -10,9 +10,13 @@
 
 use super::model::{Joint, JointKind, Model};
 use crate::files::suggest;
+use crate::math::simd::{sin_cos, wide};
 use crate::math::{Pose, Vec3, Vec6};
 use nalgebra::{DMatrix, Matrix3, Matrix6, Matrix6xX, UnitQuaternion};
 use thiserror::Error;
+
+/// Up to this a joint's sine is found with all others at once, rad.
+const LARGEST_TURN: f64 = 1e3;
 
 /// A frame that a task or a drawing refers to: a link with a rigid offset.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +98,8 @@ struct Node {
     parent: Option<usize>,
     /// Fixed rotation from the parent's moved frame; none when it is the identity.
     rotation: Option<Matrix3<f64>>,
-    translation: Vec3,
+    /// The same of the translation; none for joints at one place.
+    translation: Option<Vec3>,
     axis: Vec3,
     kind: Axis,
     is_prismatic: bool,
@@ -108,8 +113,9 @@ struct Node {
 struct TipNode {
     tip: Tip,
     node: Option<usize>,
-    rotation: Matrix3<f64>,
-    translation: Vec3,
+    /// Of the tip in the last moved frame; none where it is that frame turned or moved by nothing.
+    rotation: Option<Matrix3<f64>>,
+    translation: Option<Vec3>,
     /// Moving joints above the tip, base first.
     path: Vec<usize>,
 }
@@ -128,9 +134,63 @@ pub struct Linkage {
 /// Where every joint of a linkage is, for one posture; scratch that is reused between postures.
 #[derive(Debug, Clone, Default)]
 pub struct Frames {
-    rotation: Vec<Matrix3<f64>>,
-    origin: Vec<Vec3>,
-    axis: Vec<Vec3>,
+    joints: Vec<Placed>,
+    /// Positions of the joints, and their sines and cosines.
+    position: Vec<f64>,
+    sine: Vec<f64>,
+    cosine: Vec<f64>,
+}
+
+/// A vector in base axes, with a fourth number that nobody reads: read and written in one go, which a row of
+/// joints that wait for each other feels.
+type Four = [f64; 4];
+
+/// A joint in base axes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Placed {
+    /// Columns of the rotation of the moved frame.
+    turned: [Four; 3],
+    origin: Four,
+    axis: Four,
+}
+
+/// The base itself.
+const BASE: Placed = Placed {
+    turned: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+    origin: [0.0; 4],
+    axis: [0.0; 4],
+};
+
+impl Placed {
+    fn rotation(&self) -> Matrix3<f64> {
+        Matrix3::from_columns(&self.turned.map(vec3))
+    }
+
+    fn origin(&self) -> Vec3 {
+        vec3(self.origin)
+    }
+
+    fn axis(&self) -> Vec3 {
+        vec3(self.axis)
+    }
+}
+
+fn vec3([x, y, z, _]: Four) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+/// `a p + b q`.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "must be compiled inside the vectorised loop")]
+fn sum((a, p): (&Four, f64), (b, q): (&Four, f64)) -> Four {
+    std::array::from_fn(|i| a[i].mul_add(p, b[i] * q))
+}
+
+/// `[x y z] v + start`.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "must be compiled inside the vectorised loop")]
+fn along([x, y, z]: &[Four; 3], v: &Vec3, start: &Four) -> Four {
+    std::array::from_fn(|i| x[i].mul_add(v.x, y[i].mul_add(v.y, z[i].mul_add(v.z, start[i]))))
 }
 
 impl Linkage {
@@ -201,8 +261,8 @@ impl Linkage {
         self.tips.push(TipNode {
             tip: tip.clone(),
             node: parent,
-            rotation: *fixed.rotation.to_rotation_matrix().matrix(),
-            translation: fixed.translation.vector,
+            rotation: some_rotation(&fixed),
+            translation: some_translation(&fixed),
             path: above,
         });
     }
@@ -212,11 +272,10 @@ impl Linkage {
             None => (joint.name.as_str(), 1.0, 0.0),
             Some(m) => (m.source.as_str(), m.multiplier, m.offset),
         };
-        let rotation = *fixed.rotation.to_rotation_matrix().matrix();
         Node {
             parent,
-            rotation: (rotation != Matrix3::identity()).then_some(rotation),
-            translation: fixed.translation.vector,
+            rotation: some_rotation(fixed),
+            translation: some_translation(fixed),
             axis: joint.axis,
             kind: axis_kind(&joint.axis),
             is_prismatic: joint.kind == JointKind::Prismatic,
@@ -252,47 +311,58 @@ impl Linkage {
     /// When `q` is shorter than [`Linkage::dof`].
     pub fn forward(&self, q: &[f64], frames: &mut Frames) {
         let n = self.nodes.len();
-        frames.rotation.resize(n, Matrix3::identity());
-        frames.origin.resize(n, Vec3::zeros());
-        frames.axis.resize(n, Vec3::zeros());
-        for (i, node) in self.nodes.iter().enumerate() {
-            let position = node.column.map_or(0.0, |c| q[c]) * node.multiplier + node.offset;
-            let (mut rotation, mut origin) = match node.parent {
-                Some(p) => {
-                    (frames.rotation[p], frames.origin[p] + frames.rotation[p] * node.translation)
-                }
-                None => (Matrix3::identity(), node.translation),
-            };
-            if let Some(fixed) = &node.rotation {
-                rotation *= fixed;
-            }
-            let axis = match node.kind {
-                Axis::X(s) => rotation.column(0) * s,
-                Axis::Y(s) => rotation.column(1) * s,
-                Axis::Z(s) => rotation.column(2) * s,
-                Axis::General => rotation * node.axis,
-            };
-            if node.is_prismatic {
-                origin += axis * position;
-            } else {
-                turn(&mut rotation, node, position);
-            }
-            frames.axis[i] = axis;
-            frames.rotation[i] = rotation;
-            frames.origin[i] = origin;
+        frames.joints.resize(n, BASE);
+        for all in [&mut frames.position, &mut frames.sine, &mut frames.cosine] {
+            all.resize(n, 0.0);
         }
+        let Frames { joints, position, sine, cosine } = frames;
+        for (node, position) in self.nodes.iter().zip(&mut *position) {
+            *position = node.column.map_or(0.0, |c| q[c]) * node.multiplier + node.offset;
+        }
+        let is_usual = position.iter().all(|p| p.abs() < LARGEST_TURN);
+        wide(
+            #[inline(always)]
+            || {
+                for ((p, s), c) in position.iter().zip(&mut *sine).zip(&mut *cosine) {
+                    (*s, *c) = sin_cos(*p);
+                }
+                if !is_usual {
+                    for ((p, s), c) in position.iter().zip(&mut *sine).zip(&mut *cosine) {
+                        (*s, *c) = p.sin_cos();
+                    }
+                }
+                for (i, node) in self.nodes.iter().enumerate() {
+                    let here = node.placed(joints, position[i], (sine[i], cosine[i]));
+                    let joint = &mut joints[i];
+                    (joint.turned[0], joint.turned[1], joint.turned[2]) =
+                        (here.turned[0], here.turned[1], here.turned[2]);
+                    (joint.origin, joint.axis) = (here.origin, here.axis);
+                }
+            },
+        );
     }
 
     /// Position (m) and rotation matrix of a tip in base axes.
     pub fn tip_frame(&self, frames: &Frames, tip: usize) -> (Vec3, Matrix3<f64>) {
         let t = &self.tips[tip];
-        match t.node {
-            Some(n) => (
-                frames.origin[n] + frames.rotation[n] * t.translation,
-                frames.rotation[n] * t.rotation,
-            ),
-            None => (t.translation, t.rotation),
-        }
+        let Some(n) = t.node else {
+            return (
+                t.translation.unwrap_or_default(),
+                t.rotation.unwrap_or_else(Matrix3::identity),
+            );
+        };
+        let above = &frames.joints[n];
+        let rotation = above.rotation();
+        (self.tip_position(frames, tip), t.rotation.map_or(rotation, |fixed| rotation * fixed))
+    }
+
+    /// Its position alone.
+    fn tip_position(&self, frames: &Frames, tip: usize) -> Vec3 {
+        let t = &self.tips[tip];
+        let Some(n) = t.node else { return t.translation.unwrap_or_default() };
+        let above = &frames.joints[n];
+        let moved = |by: &Vec3| along(&above.turned, by, &above.origin);
+        vec3(t.translation.as_ref().map_or(above.origin, moved))
     }
 
     /// Pose of a tip in the base frame.
@@ -308,18 +378,18 @@ impl Linkage {
     /// When `jacobian` does not have n columns.
     pub fn jacobian_into(&self, frames: &Frames, tip: usize, jacobian: &mut Matrix6xX<f64>) {
         jacobian.fill(0.0);
-        let (p, _) = self.tip_frame(frames, tip);
+        let p = self.tip_position(frames, tip);
         for &i in &self.tips[tip].path {
             let node = &self.nodes[i];
             let Some(column) = node.column else { continue };
-            let a = frames.axis[i] * node.multiplier;
+            let a = frames.joints[i].axis() * node.multiplier;
             let mut target = jacobian.column_mut(column);
             if node.is_prismatic {
                 target[0] += a.x;
                 target[1] += a.y;
                 target[2] += a.z;
             } else {
-                let v = a.cross(&(p - frames.origin[i]));
+                let v = a.cross(&(p - frames.joints[i].origin()));
                 target[0] += v.x;
                 target[1] += v.y;
                 target[2] += v.z;
@@ -345,25 +415,25 @@ impl Linkage {
         for &i in &self.tips[tip].path {
             let node = &self.nodes[i];
             let Some(column) = node.column else { continue };
-            let a = frames.axis[i] * (node.multiplier * weight);
+            let a = frames.joints[i].axis() * (node.multiplier * weight);
             velocities[column] +=
-                if node.is_prismatic { a } else { a.cross(&(point - frames.origin[i])) };
+                if node.is_prismatic { a } else { a.cross(&(point - frames.joints[i].origin())) };
         }
     }
 
     /// `dJ/dt qdot` of a tip (m/s^2, rad/s^2, base axes) while the joints move at the even rates `qdot` (n), and
     /// the angular velocity of the tip (rad/s).
     pub fn bias_acceleration(&self, frames: &Frames, tip: usize, qdot: &[f64]) -> (Vec6, Vec3) {
-        let (p, _) = self.tip_frame(frames, tip);
+        let p = self.tip_position(frames, tip);
         let (mut linear, mut angular, mut turning) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
         for &i in &self.tips[tip].path {
             let node = &self.nodes[i];
             let Some(column) = node.column else { continue };
-            let a = frames.axis[i] * (node.multiplier * qdot[column]);
+            let a = frames.joints[i].axis() * (node.multiplier * qdot[column]);
             if node.is_prismatic {
                 linear += 2.0 * turning.cross(&a);
             } else {
-                let v = a.cross(&(p - frames.origin[i]));
+                let v = a.cross(&(p - frames.joints[i].origin()));
                 linear += (2.0 * turning + a).cross(&v);
                 angular += turning.cross(&a);
                 turning += a;
@@ -376,15 +446,17 @@ impl Linkage {
     /// velocity, 6 x 6 with zeros behind.
     pub fn leading_columns(&self, frames: &Frames, tip: usize, count: usize) -> Matrix6<f64> {
         let mut columns = Matrix6::zeros();
-        let (p, _) = self.tip_frame(frames, tip);
+        let p = self.tip_position(frames, tip);
         for &i in self.tips[tip].path.iter().take(count) {
             let node = &self.nodes[i];
             let Some(c) = node.column.filter(|c| *c < count.min(6)) else { continue };
-            let a = frames.axis[i] * node.multiplier;
+            let a = frames.joints[i].axis() * node.multiplier;
             if node.is_prismatic {
                 columns.fixed_view_mut::<3, 1>(0, c).copy_from(&a);
             } else {
-                columns.fixed_view_mut::<3, 1>(0, c).copy_from(&a.cross(&(p - frames.origin[i])));
+                columns
+                    .fixed_view_mut::<3, 1>(0, c)
+                    .copy_from(&a.cross(&(p - frames.joints[i].origin())));
                 columns.fixed_view_mut::<3, 1>(3, c).copy_from(&a);
             }
         }
@@ -408,6 +480,17 @@ impl Linkage {
     }
 }
 
+/// The rotation of a pose; none where it turns nothing.
+fn some_rotation(pose: &Pose) -> Option<Matrix3<f64>> {
+    let rotation = *pose.rotation.to_rotation_matrix().matrix();
+    (rotation != Matrix3::identity()).then_some(rotation)
+}
+
+/// The translation of a pose; none where it moves nothing.
+fn some_translation(pose: &Pose) -> Option<Vec3> {
+    (pose.translation.vector != Vec3::zeros()).then_some(pose.translation.vector)
+}
+
 fn axis_kind(axis: &Vec3) -> Axis {
     match (axis.x, axis.y, axis.z) {
         (x, 0.0, 0.0) => Axis::X(x),
@@ -417,22 +500,55 @@ fn axis_kind(axis: &Vec3) -> Axis {
     }
 }
 
-/// `rotation *= Rot(axis, angle)`.
-fn turn(rotation: &mut Matrix3<f64>, node: &Node, angle: f64) {
-    let (from, to, sign) = match node.kind {
-        Axis::X(s) => (1, 2, s),
-        Axis::Y(s) => (2, 0, s),
-        Axis::Z(s) => (0, 1, s),
-        Axis::General => {
-            let unit = nalgebra::Unit::new_unchecked(node.axis);
-            *rotation *= nalgebra::Rotation3::from_axis_angle(&unit, angle).matrix();
-            return;
+impl Node {
+    /// The joint at a position with its sine and cosine, all joints above it being placed.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "must be compiled inside the vectorised loop")]
+    fn placed(&self, joints: &[Placed], position: f64, (sine, cosine): (f64, f64)) -> Placed {
+        // Vector by vector: copied as a whole, a joint would pass through memory.
+        let above = self.parent.map_or(&BASE, |p| &joints[p]);
+        let mut origin = match &self.translation {
+            Some(moved) => along(&above.turned, moved, &above.origin),
+            None => above.origin,
+        };
+        let columns = |of: &[Four; 3], by: &Matrix3<f64>| {
+            [0, 1, 2].map(|c| along(of, &by.column(c).into_owned(), &[0.0; 4]))
+        };
+        let [mut x, mut y, mut z] = match &self.rotation {
+            Some(fixed) => columns(&above.turned, fixed),
+            None => above.turned,
+        };
+        let axis = match self.kind {
+            Axis::X(s) => x.map(|v| v * s),
+            Axis::Y(s) => y.map(|v| v * s),
+            Axis::Z(s) => z.map(|v| v * s),
+            Axis::General => along(&[x, y, z], &self.axis, &[0.0; 4]),
+        };
+        if self.is_prismatic {
+            origin = sum((&axis, position), (&origin, 1.0));
+            return Placed { turned: [x, y, z], origin, axis };
         }
-    };
-    let (sin, cos) = (sign * angle).sin_cos();
-    let (a, b) = (rotation.column(from).into_owned(), rotation.column(to).into_owned());
-    rotation.set_column(from, &(a * cos + b * sin));
-    rotation.set_column(to, &(b * cos - a * sin));
+        let turned = |a: &Four, b: &Four, sign: f64| {
+            let sine = sign * sine;
+            (sum((a, cosine), (b, sine)), sum((b, cosine), (a, -sine)))
+        };
+        match self.kind {
+            Axis::X(s) => (y, z) = turned(&y, &z, s),
+            Axis::Y(s) => (z, x) = turned(&z, &x, s),
+            Axis::Z(s) => (x, y) = turned(&x, &y, s),
+            Axis::General => {
+                [x, y, z] = columns(&[x, y, z], &rodrigues(&self.axis, (sine, cosine)));
+            }
+        }
+        Placed { turned: [x, y, z], origin, axis }
+    }
+}
+
+/// The rotation about an axis by an angle.
+fn rodrigues(axis: &Vec3, (sine, cosine): (f64, f64)) -> Matrix3<f64> {
+    Matrix3::identity() * cosine
+        + axis.cross_matrix() * sine
+        + (axis * axis.transpose()) * (1.0 - cosine)
 }
 
 fn limit_of(joint: &Joint) -> JointLimit {

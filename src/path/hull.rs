@@ -68,12 +68,13 @@ pub(super) fn crossed_faces(path: &SmoothPath, limits: &PathLimits) -> Vec<(usiz
     Box3::faces().filter(is_crossed).collect()
 }
 
-/// Whether the hull of the speed exceeds its limit; the knots are means of the middle points.
-pub(super) fn breaks_speed(path: &SmoothPath, limits: &PathLimits) -> bool {
+/// Steps in which the hull of the speed exceeds its limit; the knots are means of the middle points.
+pub(super) fn too_fast(path: &SmoothPath, limits: &PathLimits) -> Vec<usize> {
     let limit = limits.speed_m_s * (1.0 + TOLERANCE / 2.0);
     let half = path.step_s / 2.0;
     let middle = |k: usize| path.velocity[k] + path.acceleration[k] * half;
-    !(0..path.steps()).all(|k| path.velocity[k].norm() <= limit && middle(k).norm() <= limit)
+    let is_fast = |k: &usize| path.velocity[*k].norm() > limit || middle(*k).norm() > limit;
+    (0..path.steps()).filter(is_fast).collect()
 }
 
 /// Whether the acceleration exceeds its limit.

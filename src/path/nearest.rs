@@ -1,14 +1,13 @@
 //! The nearest path that keeps all limits: programs of growing sets of rows, until nothing is broken.
 //!
-//! Rows enter only where a limit is in play: the speed always, acceleration, jerk and faces of the
-//! box when the reference or a solution breaks them, corridor and reach at the steps that leave them,
-//! half-spaces at the steps that come near an obstacle, linearised again at each solution. Of each
+//! Rows enter only where a limit is in play: the speed at the steps where the reference or a solution comes
+//! near it, acceleration, jerk and faces of the box when the reference or a solution breaks them, corridor
+//! and reach at the steps that leave them, half-spaces at the steps that come near an obstacle, linearised
+//! again at each solution. A path that keeps what was left out is the nearest all the same. Of each
 //! solution the jerks are integrated exactly, the gap at the goal is closed, and the limits are
 //! measured on hulls, so that what is handed out keeps them between the knots too.
 
-use super::hull::{
-    breaks_acceleration, breaks_jerk, breaks_speed, closing, crossed_faces, integrated,
-};
+use super::hull::{breaks_acceleration, breaks_jerk, closing, crossed_faces, integrated, too_fast};
 use super::keepout::{Hulls, planes};
 use super::limits::{Box3, PathLimits};
 use super::project::ProjectionSettings;
@@ -31,6 +30,10 @@ const HAIR_M: f64 = 1e-6;
 const MOST_PASSES: usize = 14;
 /// Passes after which a path that keeps its distances is good enough.
 const PATIENCE: usize = 4;
+/// Share of the speed limit from which a step of the reference has a row, and steps on either side that get
+/// one too.
+const NEAR_SPEED: f64 = 0.9;
+const AROUND: usize = 2;
 /// Change of the path (m) below which a new linearisation is not worth a pass.
 const SETTLED_M: f64 = 1e-3;
 /// How much dearer the slack is of what is not being relaxed.
@@ -95,6 +98,8 @@ struct Play<'a> {
     clearances: Vec<f64>,
     /// Steps of corridor and reaches that have rows.
     balls: BTreeSet<(Elastic, usize)>,
+    /// A solution was too fast where no row said so.
+    was_too_fast: bool,
     /// What each slack stands for: the thing, and the step unless it has one slack.
     slacks: Vec<(Elastic, usize)>,
 }
@@ -176,6 +181,11 @@ fn hurries(reference: &[Vec3], step_s: f64, limits: &PathLimits) -> [bool; 2] {
     ]
 }
 
+/// A step and its neighbours.
+fn around(step: usize, steps: usize) -> std::ops::Range<usize> {
+    step.saturating_sub(AROUND)..(step + AROUND + 1).min(steps)
+}
+
 /// Whether limits that are not elastic are broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Broken {
@@ -220,8 +230,13 @@ impl<'a> Play<'a> {
         };
         let faces = Box3::faces().filter(is_outside).collect();
         let [acceleration, jerk] = hurries(reference, question.step_s, limits);
-        let rows = Rows { acceleration, jerk, faces, ..Rows::default() };
-        Self { question, rows, clearances, balls: BTreeSet::new(), slacks: Vec::new() }
+        let near = NEAR_SPEED * limits.speed_m_s * question.step_s;
+        let is_fast = |k: &usize| (reference[k + 1] - reference[*k]).norm() > near;
+        let steps = reference.len() - 1;
+        let speed = Some((0..steps).filter(is_fast).flat_map(|k| around(k, steps)).collect());
+        let rows = Rows { speed, acceleration, jerk, faces, ..Rows::default() };
+        let (balls, slacks) = (BTreeSet::new(), Vec::new());
+        Self { question, rows, clearances, balls, was_too_fast: false, slacks }
     }
 
     /// Spline coefficients that rest on the reference.
@@ -248,6 +263,11 @@ impl<'a> Play<'a> {
                 let slack = Some(self.slack(Elastic::Obstacle(i), step));
                 self.rows.planes.push(Plane { slack, ..plane });
             }
+        }
+        // Corridor and reach are nearly as many rows as the speed: without it nothing is gained, and the solver
+        // was seen to stop less exactly.
+        if !self.balls.is_empty() {
+            self.rows.speed = None;
         }
         for (of, step) in self.balls.clone() {
             let slack = self.slack(of, step);
@@ -305,14 +325,31 @@ impl<'a> Play<'a> {
         let (acceleration, jerk) = (breaks_acceleration(path, limits), breaks_jerk(path, limits));
         let adds_acceleration = acceleration && !self.rows.acceleration;
         let adds_jerk = jerk && !self.rows.jerk;
-        if !new.is_empty() || adds_acceleration || adds_jerk {
+        let fast = too_fast(path, limits);
+        let adds_speed = self.add_speed(&fast, path.steps());
+        if !new.is_empty() || adds_acceleration || adds_jerk || adds_speed {
             self.rows.faces.extend(new);
             self.rows.acceleration |= acceleration;
             self.rows.jerk |= jerk;
             return Broken::New;
         }
-        let is_broken = !crossed.is_empty() || acceleration || jerk || breaks_speed(path, limits);
+        let is_broken = !crossed.is_empty() || acceleration || jerk || !fast.is_empty();
         if is_broken || !self.keeps_conditions(path) { Broken::Again } else { Broken::Not }
+    }
+
+    /// Rows for steps that are too fast, the second time for all; true when there are new ones.
+    fn add_speed(&mut self, fast: &[usize], steps: usize) -> bool {
+        let Some(speed) = &mut self.rows.speed else { return false };
+        if fast.iter().all(|k| speed.contains(k)) {
+            return false;
+        }
+        if self.was_too_fast {
+            self.rows.speed = None;
+        } else {
+            speed.extend(fast.iter().flat_map(|k| around(*k, steps)));
+        }
+        self.was_too_fast = true;
+        true
     }
 
     /// The robot's conditions, to a millionth.

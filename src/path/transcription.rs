@@ -25,6 +25,7 @@ use super::stencil::{
 };
 use crate::math::Vec3;
 use crate::qp::{Cone, Problem};
+use std::collections::BTreeSet;
 
 /// Labels of the blocks of rows that stand for limits.
 pub(super) const SPEED: &str = "speed";
@@ -60,6 +61,8 @@ pub(super) struct Ball {
 /// The rows beyond start, goal and speed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Rows {
+    /// Steps whose speed is bounded; none for all.
+    pub(super) speed: Option<BTreeSet<usize>>,
     /// Whether the acceleration is bounded.
     pub(super) acceleration: bool,
     /// Whether the jerk is bounded.
@@ -167,7 +170,8 @@ impl Task<'_> {
             }
         }
         // In the first two and the last two steps the middle of the velocity is fixed or shared.
-        for k in 1..steps - 1 {
+        let is_bounded = |k: &usize| self.rows.speed.as_ref().is_none_or(|s| s.contains(k));
+        for k in (1..steps - 1).filter(is_bounded) {
             self.push_ball(&mut problem, &base, SPEED, &velocity_middle(k), 1.0);
         }
         if self.rows.acceleration {

@@ -189,7 +189,8 @@ fn outcome(
     let nominal = cell.nominal();
     let walk = |path: &TimedPath| {
         let path = carried(path, slower, moved);
-        Figures::of(&all[body].repeat(&path, &nominal, (seed, BLOCK), 0..repetitions), &lens)
+        let which = ((seed, BLOCK), 0..repetitions);
+        Figures::of(&all[body].scored(&path, &nominal, which, &lens), &lens)
     };
     let own = walk(path);
     let against = straight.map(|s| own.rula().less(walk(s).rula(), |f| &f.time_mean));

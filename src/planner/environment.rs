@@ -10,9 +10,14 @@ use super::request::{PlanError, Stage, Step};
 use crate::scenario::{Freedom, Scenario};
 use crate::survey::Lens;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// Block of repetitions of the selection. The searches take theirs from 16 on.
 pub(super) const SELECTION_BLOCK: u32 = 1;
+
+/// Figures of the straight path's first repetitions of the block that was asked for last, by their number.
+pub(super) type StraightKnown = Mutex<Option<((u64, u32), BTreeMap<usize, Vec<Figures>>)>>;
 
 /// What all stages of a run share.
 pub(super) struct Environment<'a> {
@@ -23,6 +28,7 @@ pub(super) struct Environment<'a> {
     pub lens: &'a Lens,
     /// The straight path, against which others are guarded; none where it is not feasible.
     pub straight: Option<Prepared>,
+    pub straight_known: StraightKnown,
     pub seed: u64,
     pub stage: Stage<'a>,
 }
@@ -40,12 +46,39 @@ impl Environment<'_> {
         let robot = self.workshop.robot_of(&p.variant);
         let arm = (range.start < care.repetitions()).then(|| p.arm(&robot, care)).flatten();
         let of = |person: &Person| {
-            let repetitions = person.repeat(path, &p.variant, block, range.clone());
+            let repetitions = person.scored(path, &p.variant, (block, range.clone()), self.lens);
             let (near_m, nearest) = near(person, &repetitions, &range, (arm.as_ref(), p));
             let nearest = nearest.filter(|_| care != Care::Search);
             Figures { near_m, nearest, ..Figures::of(&repetitions, self.lens) }
         };
         self.people.iter().map(of).collect()
+    }
+
+    /// Figures of the first repetitions of a block along the straight path, for each body; nothing where it is not
+    /// feasible.
+    pub(super) fn straight_figures(&self, block: (u64, u32), count: usize) -> Vec<Figures> {
+        let Some(straight) = &self.straight else { return Vec::new() };
+        let before = {
+            let known = self.straight_known.lock().unwrap_or_else(PoisonError::into_inner);
+            let of_block = known.as_ref().filter(|(of, _)| *of == block);
+            of_block
+                .and_then(|(_, by_count)| by_count.range(..=count).next_back())
+                .map(|(n, figures)| (*n, figures.clone()))
+        };
+        let (from, mut all) =
+            before.unwrap_or_else(|| (0, vec![Figures::default(); self.people.len()]));
+        if from < count {
+            let more = self.figures(straight, block, from..count, Care::Blind);
+            all.iter_mut().zip(more).for_each(|(f, m)| f.extend(m));
+            let mut known = self.straight_known.lock().unwrap_or_else(PoisonError::into_inner);
+            if known.as_ref().is_none_or(|(of, _)| *of != block) {
+                *known = Some((block, BTreeMap::new()));
+            }
+            if let Some((_, by_count)) = known.as_mut() {
+                by_count.insert(count, all.clone());
+            }
+        }
+        all
     }
 
     /// What of the path itself enters the objective.
@@ -67,9 +100,9 @@ impl Environment<'_> {
 }
 
 /// Least distances of one person's repetitions to the arm, m, and the least of all with what is there.
-pub(super) fn near(
+pub(super) fn near<A: Sync>(
     person: &Person,
-    repetitions: &Repetitions,
+    repetitions: &Repetitions<A>,
     numbers: &std::ops::Range<usize>,
     (arm, p): (Option<&ArmAlong>, &Prepared),
 ) -> (Vec<f64>, Option<(f64, [String; 2])>) {

@@ -11,7 +11,7 @@ use super::scene::{
 use crate::math::{Pose, Vec3};
 use crate::robot::{Obstacle, Robot, capsules, stick};
 use crate::scenario::{Scenario, Variant};
-use crate::survey::Lens;
+use crate::survey::{Lens, Scorable};
 use nalgebra::DVector;
 
 /// Moments that are kept of a motion; a viewer draws the frames between them.

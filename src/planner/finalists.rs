@@ -229,8 +229,7 @@ fn measure(
         which.iter().copied().filter(|&i| pool[i].prepared.is_feasible()).collect();
     let block = (environment.seed, SELECTION_BLOCK);
     let total = feasible.len();
-    let straight = environment.straight.as_ref();
-    let straight = straight.map(|s| environment.figures(s, block, 0..repetitions.end, Care::Blind));
+    let straight = environment.straight_figures(block, repetitions.end);
     let found = counted(environment, "selecting", (0, total, None), &feasible, |&i| {
         environment.figures(&pool[i].prepared, block, repetitions.clone(), Care::Selection)
     })?;
@@ -247,9 +246,8 @@ fn measure(
         let terms = environment.terms(&pool[i].prepared);
         let value = objective(&environment.preset.objective, &figures[i], terms);
         pool[i].value = is_usable.then_some(value);
-        let straight = straight.as_deref().unwrap_or_default();
         pool[i].keeps_timing = keeps_timing(environment, &pool[i].prepared);
-        pool[i].bought = prices(&environment.preset.objective, &figures[i], straight);
+        pool[i].bought = prices(&environment.preset.objective, &figures[i], &straight);
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use super::result::{Moment, MomentKind};
 use super::scene::PosedMannequin;
 use crate::ergonomics::{Clock, Sheet, TimeRules};
 use crate::scenario::Variant;
-use crate::survey::{Lens, PostureAngles};
+use crate::survey::{Lens, PostureAngles, Scorable};
 use nalgebra::DVector;
 
 /// The postures, by what they show; none where nobody reaches the start.

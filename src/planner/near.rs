@@ -81,9 +81,9 @@ impl Placed {
 }
 
 /// Whose body it is in a repetition.
-pub(super) type BodyOf<'a> = dyn Fn(&Repetition) -> &'a Envelope + Sync + 'a;
+pub(super) type BodyOf<'a, A> = dyn Fn(&Repetition<A>) -> &'a Envelope + Sync + 'a;
 /// The rest frame of a body in the world at a step of a repetition.
-pub(super) type RestAt<'a> = dyn Fn(&Repetition, usize) -> Pose + Sync + 'a;
+pub(super) type RestAt<'a, A> = dyn Fn(&Repetition<A>, usize) -> Pose + Sync + 'a;
 
 /// An arm at the steps of a path.
 pub(super) struct ArmAlong<'r> {
@@ -115,11 +115,11 @@ impl<'r> ArmAlong<'r> {
     }
 
     /// Where each repetition comes nearest; none for one that does not even start. `numbers`: theirs.
-    pub(super) fn closest(
+    pub(super) fn closest<A: Sync>(
         &self,
-        repetitions: &Repetitions,
+        repetitions: &Repetitions<A>,
         numbers: &Range<usize>,
-        (body, rest): (&BodyOf, &RestAt),
+        (body, rest): (&BodyOf<A>, &RestAt<A>),
     ) -> Vec<Option<Closest>> {
         let count =
             self.care.repetitions().saturating_sub(numbers.start).min(repetitions.all.len());
@@ -131,10 +131,10 @@ impl<'r> ArmAlong<'r> {
             .collect()
     }
 
-    fn along(
+    fn along<A>(
         &self,
-        repetition: &Repetition,
-        (envelope, rest): (&Envelope, &RestAt),
+        repetition: &Repetition<A>,
+        (envelope, rest): (&Envelope, &RestAt<A>),
         scratch: &mut Scratch,
     ) -> Option<Closest> {
         let end = repetition.rollout.reach_exceeded_at.unwrap_or(usize::MAX);

@@ -6,7 +6,7 @@ use super::scored::{MethodFigures, Scored};
 use crate::ergonomics::{PerMethod, ScoringMethod};
 use crate::math::stats::{cvar_upper, mean, normal_quantile, std_dev};
 use crate::scenario::PersonMargin;
-use crate::survey::Lens;
+use crate::survey::{Lens, Scorable};
 
 /// Least margin by which a shortfall is measured, m.
 const LEAST_MARGIN_M: f64 = 0.01;
@@ -32,7 +32,7 @@ pub struct Figures {
 
 impl Figures {
     /// Of the repetitions of one body.
-    pub(super) fn of(repetitions: &Repetitions, lens: &Lens) -> Self {
+    pub(super) fn of<A: Scorable>(repetitions: &Repetitions<A>, lens: &Lens) -> Self {
         let scored = Scored::of(repetitions, lens);
         let lost: Vec<Option<usize>> =
             repetitions.all.iter().map(|w| w.rollout.reach_exceeded_at).collect();

@@ -2,7 +2,7 @@
 
 use super::known_starts::KnownStarts;
 use super::near::{ArmAlong, Closest};
-use super::repetitions::{Repetition, Repetitions, Walked};
+use super::repetitions::{Look, Repetition, Repetitions, Walked, in_full};
 use super::result::{PosePicture, RolloutTable};
 use super::walking::{Walk, seen_from};
 use crate::files::InputError;
@@ -10,6 +10,7 @@ use crate::human::{
     Body, BodyPart, BodySize, Envelope, EnvelopeScratch, FEET_COLUMNS, Hands, Head, Mannequin,
     Pelvis, Stance, column_of, column_unit, mirror_sign, mirrored_pose,
 };
+use crate::kinematics::Frames;
 use crate::math::{Pose, Vec3};
 use crate::posture::{
     Behaviour, Certain, Coupling, Feet, Footing, Grips, Hold, Mixture, Modelled, PostureLaw, Start,
@@ -17,7 +18,7 @@ use crate::posture::{
 };
 use crate::robot::{Robot, stick};
 use crate::scenario::{Scenario, Variant};
-use crate::survey::{HeadDraw, Surveyor};
+use crate::survey::{HeadDraw, Lens, ScoredAngles, Surveyor};
 use crate::trajectory::TimedPath;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -96,7 +97,7 @@ impl<'a> Person<'a> {
     }
 
     /// Whose body it is in a repetition.
-    pub(super) fn of(&self, repetition: &Repetition) -> &Person<'a> {
+    pub(super) fn of<A>(&self, repetition: &Repetition<A>) -> &Person<'a> {
         self.crowd.get(repetition.member).unwrap_or(self)
     }
 
@@ -137,7 +138,12 @@ impl<'a> Person<'a> {
     }
 
     /// The rest frame in the world at a sample of a repetition: where the feet are then.
-    pub(super) fn rest_at(&self, variant: &Variant, repetition: &Repetition, k: usize) -> Pose {
+    pub(super) fn rest_at<A>(
+        &self,
+        variant: &Variant,
+        repetition: &Repetition<A>,
+        k: usize,
+    ) -> Pose {
         let given = self.of(repetition).pelvis(variant);
         if repetition.feet.is_none() { given } else { given * repetition.footing(k).pose() }
     }
@@ -201,14 +207,14 @@ impl<'a> Person<'a> {
     }
 
     /// Where each repetition comes nearest to the arm; `numbers`: theirs.
-    pub(super) fn closest(
+    pub(super) fn closest<A: Sync>(
         &self,
-        repetitions: &Repetitions,
+        repetitions: &Repetitions<A>,
         numbers: &Range<usize>,
         (arm, variant): (&ArmAlong, &Variant),
     ) -> Vec<Option<Closest>> {
-        let body = |repetition: &Repetition| &self.of(repetition).envelope;
-        let rest = |repetition: &Repetition, k: usize| self.rest_at(variant, repetition, k);
+        let body = |repetition: &Repetition<A>| &self.of(repetition).envelope;
+        let rest = |repetition: &Repetition<A>, k: usize| self.rest_at(variant, repetition, k);
         arm.closest(repetitions, numbers, (&body, &rest))
     }
 
@@ -246,10 +252,31 @@ impl<'a> Person<'a> {
         block: (u64, u32),
         numbers: Range<usize>,
     ) -> Repetitions {
+        self.repeat_looking(path, variant, (block, numbers), &in_full)
+    }
+
+    /// The same with what a lens looks at, and nothing else.
+    pub(super) fn scored(
+        &self,
+        path: &TimedPath,
+        variant: &Variant,
+        which: ((u64, u32), Range<usize>),
+        lens: &Lens,
+    ) -> Repetitions<ScoredAngles> {
+        self.repeat_looking(path, variant, which, &through(lens))
+    }
+
+    fn repeat_looking<A: Send>(
+        &self,
+        path: &TimedPath,
+        variant: &Variant,
+        (block, numbers): ((u64, u32), Range<usize>),
+        look: &Look<A>,
+    ) -> Repetitions<A> {
         let rule = &self.scenario.worker.start_rule;
         let of = |person: &Self, numbers: Range<usize>| {
             let how = (person.behaviour, rule, Some(&person.known));
-            person.along(path, variant, how, (block, numbers))
+            person.along(path, variant, how, (block, numbers), look)
         };
         let one = |r: usize| {
             let member = self.member(block, r)?;
@@ -263,27 +290,30 @@ impl<'a> Person<'a> {
 
     /// One repetition without any chance in it: from the person's mean posture, by the mean of a law,
     /// the model's own or another one on the same chain.
-    pub(super) fn repeat_surely(
+    pub(super) fn scored_surely(
         &self,
         path: &TimedPath,
         variant: &Variant,
         law: &PostureLaw,
-    ) -> Repetitions {
+        lens: &Lens,
+    ) -> Repetitions<ScoredAngles> {
         let postures = self.behaviour.postures();
         let rule = match &self.scenario.worker.start_rule {
             StartRule::Sampled => &StartRule::Mean,
             other => other,
         };
-        self.along(path, variant, (&Certain { law, postures }, rule, None), ((0, 0), 0..1))
+        let how: (&dyn Behaviour, _, _) = (&Certain { law, postures }, rule, None);
+        self.along(path, variant, how, ((0, 0), 0..1), &through(lens))
     }
 
-    fn along(
+    fn along<A: Send>(
         &self,
         path: &TimedPath,
         variant: &Variant,
         (behaviour, rule, known): (&dyn Behaviour, &StartRule, Option<&KnownStarts>),
         (block, numbers): ((u64, u32), Range<usize>),
-    ) -> Repetitions {
+        look: &Look<A>,
+    ) -> Repetitions<A> {
         let to_rest = self.pelvis(variant).inverse();
         let hands: Vec<Grips> =
             path.poses.iter().map(|tcp| self.grips(tcp, &to_rest, variant)).collect();
@@ -319,7 +349,8 @@ impl<'a> Person<'a> {
         let feet = feet.into_iter().map(on_own_side).collect();
         let led: Vec<Pose> = hands.iter().map(|g| g.first).collect();
         let walked = Walked { starts, repeated, feet, would_step };
-        let measured = Repetitions::measured(&self.surveyor, walked, heads, (&path.time_s, &led));
+        let looked = (&self.surveyor, look);
+        let measured = Repetitions::measured(looked, walked, heads, (&path.time_s, &led));
         Repetitions { mixture, persons: behaviour.persons(), ..measured }
     }
 
@@ -467,6 +498,13 @@ impl<'a> Person<'a> {
             })
             .collect()
     }
+}
+
+/// Looks at what a lens scores.
+fn through(
+    lens: &Lens,
+) -> impl Fn(&Surveyor, (&DVector<f64>, &HeadDraw), bool, &mut Frames) -> ScoredAngles + Sync {
+    |surveyor, (q, head), _, frames| surveyor.scored(q, head, lens, frames)
 }
 
 fn check_chain(coupling: &Coupling, scenario: &Scenario) -> Result<(), InputError> {

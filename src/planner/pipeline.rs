@@ -3,7 +3,7 @@
 use super::apart::explain_nearness;
 use super::causes::unreached_ends;
 use super::cell_look::cell_pictures;
-use super::environment::Environment;
+use super::environment::{Environment, StraightKnown};
 use super::explain::{inputs, model_summary, not_modelled, setting};
 use super::filming;
 use super::finalists::{finalists, rest, select};
@@ -55,7 +55,9 @@ pub fn judge_truly(
     let people = Person::all(scenario, truth)?;
     let (lens, nominal) = (lens(scenario), scenario.nominal());
     let of = |path: &TimedPath| {
-        let figures = |p: &Person| Figures::of(&p.repeat(path, &nominal, block, 0..count), &lens);
+        let which = (block, 0..count);
+        let figures =
+            |p: &Person| Figures::of(&p.scored(path, &nominal, which.clone(), &lens), &lens);
         people.iter().map(figures).collect()
     };
     Ok(paths.par_iter().map(of).collect())
@@ -110,6 +112,7 @@ fn run(
         people: &people,
         lens: &lens,
         straight: straight.filter(Prepared::is_feasible),
+        straight_known: StraightKnown::default(),
         seed: *seed,
         stage,
     };

@@ -10,16 +10,18 @@ use super::near::Care;
 use super::objective::Figures;
 use super::person::Person;
 use super::prepare::Prepared;
+use super::repetitions::Repetitions;
 use super::result::{CellChange, Effect, Recommendation, Recommendations, StandingPlace, Way};
 use crate::ergonomics::{PerMethod, ScoringMethod};
 use crate::human::Stance;
-use crate::math::stats::mean;
+use crate::math::stats::{mean, std_dev};
 use crate::math::{Pose, Vec3};
 use crate::path::End;
 use crate::scenario::Variant;
 use crate::survey::Lens;
 use crate::trajectory::TimedPath;
 use nalgebra::UnitQuaternion;
+use std::ops::Range;
 
 /// Steps that are tried, m and deg.
 const LENGTHS_M: [f64; 2] = [0.05, 0.10];
@@ -30,8 +32,9 @@ const STEPS_M: [f64; 3] = [0.10, 0.20, 0.30];
 const WOULD_STEP: f64 = 0.05;
 /// Least gain in expected RULA that is worth a sentence.
 const LEAST_GAIN: f64 = 0.02;
-/// Most repetitions behind an effect.
+/// Most repetitions behind an effect, and those after which a change that promises nothing is left.
 const REPETITIONS: usize = 32;
+const FIRST_REPETITIONS: usize = 8;
 /// Block of repetitions: others than those that chose and reported a path.
 const BLOCK: u32 = 4;
 
@@ -45,13 +48,6 @@ struct Tried {
     raised: Option<(End, f64)>,
 }
 
-/// A cell's figures for one person.
-struct Tally {
-    figures: Figures,
-    l5s1_peak_nm: f64,
-    stretched_share: Option<f64>,
-}
-
 /// Changes that clearly lower the expected RULA of a path for one person, best first.
 pub(super) fn recommend(
     environment: &Environment,
@@ -60,23 +56,27 @@ pub(super) fn recommend(
 ) -> Recommendations {
     let nothing = Recommendations { tried: 0, repetitions: 0, clear: Vec::new(), standing: None };
     let Some(path) = &prepared.path else { return nothing };
-    let count = REPETITIONS.min(environment.preset.rollouts_final);
+    let count = REPETITIONS.min(environment.preset.rollouts_final.div_ceil(2));
     let robot = environment.workshop.robot_of(&prepared.variant);
     let arm = prepared.arm(&robot, Care::Selection);
-    let tally = |t: &Tried| {
+    let block = (environment.seed, BLOCK);
+    let bent = |t: &Tried| t.raised.map(|(end, by_m)| raised(path, end, by_m));
+    let figures = |t: &Tried, numbers: Range<usize>| {
         let mut lens: Lens = environment.lens.clone();
         lens.task.load_kg *= t.load_share;
-        let bent = t.raised.map(|(end, by_m)| raised(path, end, by_m));
+        let bent = bent(t);
         let path = bent.as_ref().unwrap_or(path);
-        let repetitions = person.repeat(path, &t.variant, (environment.seed, BLOCK), 0..count);
+        let repetitions = person.scored(path, &t.variant, (block, numbers.clone()), &lens);
         let there = Prepared { variant: t.variant.clone(), ..prepared.clone() };
-        let (near_m, _) = near(person, &repetitions, &(0..count), (arm.as_ref(), &there));
-        Tally {
-            figures: Figures { near_m, ..Figures::of(&repetitions, &lens) },
-            l5s1_peak_nm: mean(&repetitions.l5s1_peaks_nm()),
-            stretched_share: repetitions.stretched_share(&environment.scenario.worker),
-        }
+        let (near_m, _) = near(person, &repetitions, &numbers, (arm.as_ref(), &there));
+        Figures { near_m, ..Figures::of(&repetitions, &lens) }
     };
+    let repeated = |t: &Tried| {
+        let bent = bent(t);
+        person.repeat(bent.as_ref().unwrap_or(path), &t.variant, block, 0..count)
+    };
+    let l5s1_peak_nm = |r: &Repetitions| mean(&r.l5s1_peaks_nm());
+    let stretched_share = |r: &Repetitions| r.stretched_share(&environment.scenario.worker);
     let margin = &environment.scenario.person_margin;
     let is_too_near = |f: &Figures| {
         let below = f.near_m.iter().filter(|d| **d < margin.margin_m).count() as f64;
@@ -88,12 +88,25 @@ pub(super) fn recommend(
         load_share: 1.0,
         raised: None,
     };
-    let now = tally(&as_it_is);
+    let before = figures(&as_it_is, 0..count);
+    let now = repeated(&as_it_is);
+    let now_peak_nm = l5s1_peak_nm(&now);
     let all = changes(environment, &prepared.variant);
     let mut clear: Vec<Recommendation> = Vec::new();
     for t in &all {
-        let tallied = tally(t);
-        let (then, before) = (&tallied.figures, &now.figures);
+        // In full only what still promises something after a few repetitions.
+        let mut then = Figures::default();
+        let mut known = 0;
+        for wanted in rounds(count) {
+            then.extend(figures(t, known..wanted));
+            known = wanted;
+            if !promises(&then, &before) {
+                break;
+            }
+        }
+        if known < count || !promises(&then, &before) {
+            continue;
+        }
         let effect = PerMethod::of(|m| {
             let (a, b) = (&then.scores[m], &before.scores[m]);
             Effect {
@@ -105,12 +118,12 @@ pub(super) fn recommend(
         let lead = &effect[ScoringMethod::Rula].change;
         // What one method gains may not be another's clear loss.
         let is_loss = effect.iter().any(|(_, e)| e.change.low95 > 0.0);
-        let is_worse = mean(&then.lost) > mean(&before.lost) || is_too_near(then) || is_loss;
+        let is_worse = mean(&then.lost) > mean(&before.lost) || is_too_near(&then) || is_loss;
         if !lead.clear || lead.mean > -LEAST_GAIN || is_worse {
             continue;
         }
         let is_load = t.load_share < 1.0;
-        let l5s1_peak_nm = (!is_load).then_some([now.l5s1_peak_nm, tallied.l5s1_peak_nm]);
+        let l5s1_peak_nm = (!is_load).then(|| [now_peak_nm, l5s1_peak_nm(&repeated(t))]);
         let found = Recommendation { what: t.what, effect, l5s1_peak_nm };
         match clear.iter_mut().find(|r| is_one_direction(&r.what, &t.what)) {
             Some(known) if gained(known) <= gained(&found) => {}
@@ -119,12 +132,14 @@ pub(super) fn recommend(
         }
     }
     clear.sort_by(|a, b| gained(a).total_cmp(&gained(b)));
-    let standing = now.stretched_share.filter(|s| *s > WOULD_STEP).and_then(|share| {
+    let standing = stretched_share(&now).filter(|s| *s > WOULD_STEP).and_then(|share| {
         let place = |(way, by_m, at_m): (Way, f64, [f64; 2])| {
             let variant = Variant { at_m, ..prepared.variant.clone() };
-            let there = tally(&Tried { variant, ..as_it_is.clone() });
-            let then =
-                there.stretched_share.filter(|s| *s < share && !is_too_near(&there.figures))?;
+            let there = Tried { variant, ..as_it_is.clone() };
+            let then = stretched_share(&repeated(&there)).filter(|s| *s < share)?;
+            if is_too_near(&figures(&there, 0..count)) {
+                return None;
+            }
             Some(StandingPlace { way, by_m, stretched_share: [share, then] })
         };
         let tried = STEPS_M.into_iter().flat_map(|by_m| places(&prepared.variant, by_m));
@@ -136,6 +151,22 @@ pub(super) fn recommend(
         found.iter().find(is_enough).or_else(|| found.iter().min_by(least)).copied()
     });
     Recommendations { tried: all.len(), repetitions: count, clear, standing }
+}
+
+/// Numbers of repetitions after which a change is looked at.
+fn rounds(count: usize) -> impl Iterator<Item = usize> {
+    let doubled = |n: &usize| Some(2 * n);
+    let before = std::iter::successors(Some(FIRST_REPETITIONS), doubled);
+    before.take_while(move |n| *n < count).chain([count])
+}
+
+/// Whether the expected RULA may still fall by as much as is worth a sentence: no more than a standard error above
+/// what was found so far on the same repetitions.
+fn promises(then: &Figures, before: &Figures) -> bool {
+    let (then, before) = (&then.rula().time_mean, &before.rula().time_mean);
+    let differences: Vec<f64> = then.iter().zip(before).map(|(a, b)| a - b).collect();
+    let error = std_dev(&differences) / (differences.len() as f64).sqrt();
+    differences.len() < 2 || mean(&differences) - error <= -LEAST_GAIN
 }
 
 /// A path one of whose ends is raised: the other end stays, between them it is bent evenly along its length.
@@ -227,6 +258,24 @@ fn is_one_direction(a: &CellChange, b: &CellChange) -> bool {
 mod tests {
     use super::*;
     use crate::trajectory::minimum_jerk_line;
+
+    #[test]
+    fn a_change_is_left_only_where_it_promises_nothing() {
+        assert_eq!(rounds(32).collect::<Vec<_>>(), [8, 16, 32]);
+        assert_eq!(rounds(6).collect::<Vec<_>>(), [6]);
+        let of = |time_mean: Vec<f64>| {
+            let mut figures = Figures::default();
+            figures.scores[ScoringMethod::Rula].time_mean = time_mean;
+            figures
+        };
+        let before = of(vec![3.0; 8]);
+        // Mean -0.01 with a standard error of 0.006: not yet 0.02. With one of 0.02 it may be.
+        let near = [2.97, 3.01, 2.97, 3.01, 2.99, 2.99, 3.0, 2.98].to_vec();
+        assert!(!promises(&of(near.clone()), &before));
+        let far = near.iter().map(|x| 2.99 + 4.0 * (x - 2.99)).collect();
+        assert!(promises(&of(far), &before));
+        assert!(!promises(&of(vec![3.1; 8]), &before) && promises(&of(vec![2.9; 8]), &before));
+    }
 
     #[test]
     fn a_raised_end_bends_the_path_and_leaves_the_other_end() {

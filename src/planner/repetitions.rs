@@ -1,8 +1,10 @@
 //! Repetitions of one body along one path, with the angles of every frame.
 
+use crate::kinematics::Frames;
 use crate::math::Pose;
 use crate::posture::{Feet, Footing, Mixture, Repeated, Rollout, Start};
 use crate::survey::{HeadDraw, PostureAngles, Surveyor};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Length by which a rotation of the hand counts as travel, m/rad.
@@ -13,12 +15,12 @@ pub(super) const AT_EDGE_M: f64 = 0.015;
 /// Hand travel below which a path has no length to speak of, m.
 const SHORTEST_M: f64 = 1e-6;
 
-/// One repetition of one body.
-pub(super) struct Repetition {
+/// One repetition of one body, with what is known of each sample.
+pub(super) struct Repetition<A = PostureAngles> {
     /// Whose body it is, of those for whom a body stands; 0 where it stands for itself.
     pub member: usize,
     pub rollout: Rollout,
-    pub angles: Vec<PostureAngles>,
+    pub angles: Vec<A>,
     pub start: Start,
     /// None where the feet stay where the scenario has them.
     pub feet: Option<Feet>,
@@ -26,9 +28,9 @@ pub(super) struct Repetition {
     pub would_step: bool,
 }
 
-impl Repetition {
+impl<A> Repetition<A> {
     /// The angles as far as the hand follows.
-    pub(super) fn reached(&self) -> &[PostureAngles] {
+    pub(super) fn reached(&self) -> &[A] {
         let end = self.rollout.reach_exceeded_at.unwrap_or(self.angles.len());
         &self.angles[..end.min(self.angles.len())]
     }
@@ -54,8 +56,8 @@ pub(super) struct Walked {
 type Stood = (Start, (Option<Feet>, bool));
 
 /// One body measured along one path.
-pub(super) struct Repetitions {
-    pub all: Vec<Repetition>,
+pub(super) struct Repetitions<A = PostureAngles> {
+    pub all: Vec<Repetition<A>>,
     /// Interval of the samples, s.
     pub dt: f64,
     /// Each sample's share of the hand travel.
@@ -67,25 +69,41 @@ pub(super) struct Repetitions {
     pub persons: Option<usize>,
 }
 
-impl Repetitions {
+/// How a posture is looked at: the body, its posture and head, whether its feet are on their way, and scratch.
+pub(super) type Look<'a, A> =
+    dyn Fn(&Surveyor, (&DVector<f64>, &HeadDraw), bool, &mut Frames) -> A + Sync + 'a;
+
+/// All that is measured of a posture.
+pub(super) fn in_full(
+    surveyor: &Surveyor,
+    (q, head): (&DVector<f64>, &HeadDraw),
+    is_stepping: bool,
+    _: &mut Frames,
+) -> PostureAngles {
+    let mut angles = surveyor.measure(q, head);
+    // Nobody balances over feet that are on their way.
+    if is_stepping {
+        angles.margin_m = None;
+    }
+    angles
+}
+
+impl<A: Send> Repetitions<A> {
     /// What was repeated from some starts with some ways of holding the head, along times (s) and as many
     /// poses of the leading grip.
     pub(super) fn measured(
-        surveyor: &Surveyor,
+        (surveyor, look): (&Surveyor, &Look<A>),
         Walked { starts, repeated, feet, would_step }: Walked,
         heads: Vec<HeadDraw>,
         (time_s, hand): (&[f64], &[Pose]),
     ) -> Self {
         let one = |((rollout, head), (start, (feet, would_step))): ((Rollout, HeadDraw), Stood)| {
-            let mut angles: Vec<PostureAngles> =
-                rollout.q.iter().map(|q| surveyor.measure(q, &head)).collect();
-            // Nobody balances over feet that are on their way.
-            let since = time_s.iter().map(|t| t - time_s[0]);
-            for (angles, t) in angles.iter_mut().zip(since) {
-                if feet.as_ref().is_some_and(|f| f.steps_at(t)) {
-                    angles.margin_m = None;
-                }
-            }
+            let mut frames = Frames::default();
+            let of = |(q, t): (&DVector<f64>, &f64)| {
+                let is_stepping = feet.as_ref().is_some_and(|f| f.steps_at(t - time_s[0]));
+                look(surveyor, (q, &head), is_stepping, &mut frames)
+            };
+            let angles: Vec<A> = rollout.q.iter().zip(time_s).map(of).collect();
             Repetition { member: 0, rollout, angles, start, feet, would_step }
         };
         let stood: Vec<Stood> = starts.into_iter().zip(feet.into_iter().zip(would_step)).collect();
@@ -98,7 +116,7 @@ impl Repetitions {
     }
 }
 
-impl Repetitions {
+impl<A> Repetitions<A> {
     /// Single repetitions along the same path, each by the member of a number, as one.
     pub(super) fn of_members(all: Vec<(usize, Self)>) -> Option<Self> {
         let count = all.len() as f64;

@@ -14,7 +14,7 @@ use crate::ergonomics::{
     exposure_by_rollout, paired_difference, score_distribution, time_means,
 };
 use crate::math::stats::{grouped_median, mean, quantile};
-use crate::survey::{Lens, PostureAngles};
+use crate::survey::{Lens, Scorable};
 use rayon::prelude::*;
 
 /// Quantile over time that counts as a repetition's peak.
@@ -63,11 +63,11 @@ pub(super) struct Scored<'a> {
 }
 
 impl<'a> Scored<'a> {
-    pub(super) fn of(repetitions: &'a Repetitions, lens: &Lens) -> Self {
+    pub(super) fn of<A: Scorable>(repetitions: &'a Repetitions<A>, lens: &Lens) -> Self {
         Self::from_sheets(repetitions, &Sheets::of(repetitions, |a| a.score(lens)))
     }
 
-    pub(super) fn from_sheets(repetitions: &'a Repetitions, sheets: &Sheets) -> Self {
+    pub(super) fn from_sheets<A>(repetitions: &'a Repetitions<A>, sheets: &Sheets) -> Self {
         let by_method = PerMethod::of(|m| sheets.totals(m));
         let Repetitions { dt, travel, persons, .. } = repetitions;
         Self { by_method, dt: *dt, travel, persons: *persons }
@@ -130,13 +130,13 @@ impl<'a> Scored<'a> {
 pub(super) struct Sheets(pub Vec<Vec<Option<Sheet>>>);
 
 impl Sheets {
-    pub(super) fn of(
-        repetitions: &Repetitions,
-        score: impl Fn(&PostureAngles) -> Sheet + Sync,
+    pub(super) fn of<A: Sync>(
+        repetitions: &Repetitions<A>,
+        score: impl Fn(&A) -> Sheet + Sync,
     ) -> Self {
-        let one = |w: &Repetition| {
+        let one = |w: &Repetition<A>| {
             let end = w.rollout.reach_exceeded_at.unwrap_or(usize::MAX);
-            let scored = |(k, a): (usize, &PostureAngles)| (k < end).then(|| score(a));
+            let scored = |(k, a): (usize, &A)| (k < end).then(|| score(a));
             w.angles.iter().enumerate().map(scored).collect()
         };
         Self(repetitions.all.par_iter().map(one).collect())

@@ -188,10 +188,8 @@ fn judge(
             let mut known = 0;
             let mut wanted = first.min(most).max(1);
             let block = task.block + g;
+            let straight = environment.straight_figures((environment.seed, block), most);
             while !alive.is_empty() {
-                let straight = environment.straight.as_ref().map(|s| {
-                    environment.figures(s, (environment.seed, block), 0..wanted, Care::Blind)
-                });
                 let more: Vec<Vec<Figures>> = alive
                     .par_iter()
                     .map(|&i| {
@@ -206,9 +204,8 @@ fn judge(
                     let nothing = PathTerms { time_share: None, clearance_m: None, person: None };
                     let terms = at(i).map_or(nothing, |p| environment.terms_in_search(p));
                     let o = &environment.preset.objective;
-                    let straight = straight.as_deref().unwrap_or_default();
                     let value = objective(o, &figures[i], terms)
-                        + penalty(o, &figures[i], straight)
+                        + penalty(o, &figures[i], &straight)
                         + at(i).map_or(0.0, |p| timing_penalty(environment, p));
                     judged[i] = (value, wanted);
                 }
@@ -236,7 +233,7 @@ fn surely(environment: &Environment, p: &Prepared, law: &PostureLaw) -> f64 {
     let robot = environment.workshop.robot_of(&p.variant);
     let arm = p.arm(&robot, Care::Search);
     let of = |person: &Person| {
-        let repetitions = person.repeat_surely(path, &p.variant, law);
+        let repetitions = person.scored_surely(path, &p.variant, law, environment.lens);
         let (near_m, _) = near(person, &repetitions, &(0..1), (arm.as_ref(), p));
         Figures { near_m, ..Figures::of(&repetitions, environment.lens) }
     };

@@ -162,7 +162,13 @@ impl Repetitions {
             for k in moments {
                 let ends = own.placed(&person.rest_at(variant, r, k), r.rollout.q[k].as_slice());
                 for (part, [a, b]) in parts.iter().zip(&ends).filter(|(p, _)| !p.is_coupled) {
+                    let (middle, reach) = (a.lerp(b, 0.5), 0.5 * (b - a).norm() + part.radius_m);
                     for (name, obstacle) in &scenario.obstacles {
+                        // Distances change no faster than places: most pairs are too far for more.
+                        let least_m = obstacle.least_distance(&middle) - reach;
+                        if best.is_some_and(|b| least_m >= b.distance_m) {
+                            continue;
+                        }
                         let distance_m = obstacle.distance_to_capsule(a, b, part.radius_m);
                         if best.is_none_or(|b| distance_m < b.distance_m) {
                             best = Some(Touch { distance_m, part: &part.name, name, step: k });

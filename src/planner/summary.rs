@@ -11,7 +11,7 @@ use crate::ergonomics::{
 use crate::math::stats::mean;
 use crate::posture::Rollout;
 use crate::scenario::OtherArm;
-use crate::survey::{Lens, PostureAngles};
+use crate::survey::{Lens, PostureAngles, Scorable};
 
 impl Repetitions {
     /// Expected scores under a lens.

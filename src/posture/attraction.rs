@@ -26,6 +26,7 @@ use super::lowness::Lowness;
 use super::noise::speed_squared;
 use crate::math::dense::{Factor, transposed_product};
 use crate::math::pose::rotation_between;
+use crate::math::simd::{exp, wide};
 use crate::math::{Pose, Vec3};
 use nalgebra::{DMatrix, DVector, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,8 @@ use std::collections::BTreeSet;
 const ROTATION_LENGTH_M: f64 = 0.3;
 /// Spread of the hand's orientation below which it counts as one, rad.
 const ONE_ORIENTATION_RAD: f64 = 0.25;
+/// Every so many of the places of a path it is looked up how well the posture is known there.
+const ALONG: usize = 4;
 /// Length-scale of neighbouring places over that of the regression.
 const NEAR: f64 = 0.3;
 /// Smallest spread of a feature (m): directions in which the hand hardly moved are not blown up.
@@ -497,20 +500,23 @@ impl Attraction {
             return f.reference;
         }
         let at = f.of(&Pose::from_parts((*place).into(), f.reference), stature_m);
+        let mut near = vec![0.0; self.inputs.len()];
+        squared_exponentials::<3>(&self.inputs, &at, self.length_scale * NEAR, &mut near);
         let (mut sum, mut weights) = (Vec3::zeros(), 0.0);
-        for input in &self.inputs {
-            let d: f64 = (0..3).map(|i| (input[i] - at[i]).powi(2)).sum();
-            let w = (-0.5 * d / (self.length_scale * NEAR).powi(2)).exp() + f64::MIN_POSITIVE;
-            sum += w * Vec3::from_fn(|i, _| input[3 + i] * f.spread[3 + i] + f.mean[3 + i]);
+        for (input, w) in self.inputs.iter().zip(near) {
+            let w = w + f64::MIN_POSITIVE;
+            sum += w * Vec3::new(input[3], input[4], input[5]);
             weights += w;
         }
-        let turn = sum / weights * (f.stature_m / ROTATION_LENGTH_M);
+        let mean = sum / weights;
+        let turn = Vec3::from_fn(|i, _| mean[i] * f.spread[3 + i] + f.mean[3 + i])
+            * (f.stature_m / ROTATION_LENGTH_M);
         UnitQuaternion::from_scaled_axis(turn) * f.reference
     }
 
     /// The usual postures at all places where it was learned, n each, rad.
     pub(super) fn where_learned(&self) -> Vec<DVector<f64>> {
-        self.usual_at(&self.inputs).into_iter().map(|usual| usual.posture).collect()
+        self.usual_at(&self.inputs, 1).into_iter().map(|usual| usual.posture).collect()
     }
 
     /// Number of training postures behind the regression.
@@ -526,26 +532,38 @@ impl Attraction {
     /// The usual postures for many hand poses, which is faster than one by one.
     pub fn usual_postures(&self, hands: &[Pose], stature_m: f64) -> Vec<UsualPosture> {
         let x: Vec<[f64; 6]> = hands.iter().map(|h| self.features.of(h, stature_m)).collect();
-        self.usual_at(&x)
+        self.usual_at(&x, 1)
     }
 
-    fn usual_at(&self, x: &[[f64; 6]]) -> Vec<UsualPosture> {
+    /// The same for the hand poses of a path, some millimetres apart: how well its postures are known is looked up
+    /// at every few of them, and is linear in between.
+    pub(super) fn usual_along(&self, hands: &[Pose], stature_m: f64) -> Vec<UsualPosture> {
+        let x: Vec<[f64; 6]> = hands.iter().map(|h| self.features.of(h, stature_m)).collect();
+        self.usual_at(&x, ALONG)
+    }
+
+    /// The usual postures, their confidence exactly at every n-th place and at the last.
+    fn usual_at(&self, x: &[[f64; 6]], every: usize) -> Vec<UsualPosture> {
         let common = |i: usize| {
             let is_own =
                 self.person.is_some() && self.origins.get(i).map(|o| o.person) == self.person;
             if is_own { 1.0 + PERSON } else { 1.0 }
         };
-        let near = DMatrix::from_fn(self.inputs.len(), x.len(), |i, j| {
-            common(i) * squared_exponential(&self.inputs[i], &x[j], self.length_scale)
-        });
+        let common: Vec<f64> = (0..self.inputs.len()).map(common).collect();
+        let mut near = DMatrix::zeros(self.inputs.len(), x.len());
+        if !common.is_empty() {
+            let columns = near.as_mut_slice().chunks_exact_mut(common.len());
+            for (column, x) in columns.zip(x) {
+                squared_exponentials::<6>(&self.inputs, x, self.length_scale, column);
+                column.iter_mut().zip(&common).for_each(|(near, common)| *near *= common);
+            }
+        }
         let off = transposed_product(&self.coefficients, &near);
-        // k^T K^-1 k = |L^-1 k|^2
-        let white = self.factor.as_ref().map(|f| f.solve_lower(&near));
+        let explained = self.explained(&near, every);
         let mean = self.mean.at(&self.features, x);
         let own = PERSON + MOVEMENT + self.noise;
         let usual = |j: usize| {
-            let explained = white.as_ref().map_or(0.0, |w| w.column(j).norm_squared());
-            let confidence = explained.clamp(0.0, 1.0);
+            let confidence = explained[j].clamp(0.0, 1.0);
             UsualPosture {
                 posture: mean.row(j).transpose() + off.column(j),
                 confidence,
@@ -554,6 +572,56 @@ impl Attraction {
         };
         (0..x.len()).map(usual).collect()
     }
+
+    /// `k^T K^-1 k = |L^-1 k|^2` of each column, exactly at every n-th and at the last.
+    fn explained(&self, near: &DMatrix<f64>, every: usize) -> Vec<f64> {
+        let count = near.ncols();
+        let Some(factor) = self.factor.as_ref().filter(|_| count > 0) else {
+            return vec![0.0; count];
+        };
+        let mut looked_at: Vec<usize> = (0..count).step_by(every.max(1)).collect();
+        if looked_at.last() != Some(&(count - 1)) {
+            looked_at.push(count - 1);
+        }
+        let white = factor.solve_lower(&near.select_columns(&looked_at));
+        let known: Vec<f64> = white.column_iter().map(|w| w.norm_squared()).collect();
+        let between = |j: usize| {
+            let after = looked_at.partition_point(|at| *at < j);
+            let (b, end) = (looked_at[after], known[after]);
+            if b == j {
+                return end;
+            }
+            let (a, start) = (looked_at[after - 1], known[after - 1]);
+            start + (end - start) * (j - a) as f64 / (b - a) as f64
+        };
+        (0..count).map(between).collect()
+    }
+}
+
+/// Those of many places to one, by their first `N` numbers.
+fn squared_exponentials<const N: usize>(
+    all: &[[f64; 6]],
+    at: &[f64; 6],
+    length_scale: f64,
+    near: &mut [f64],
+) {
+    let scale = -0.5 / (length_scale * length_scale);
+    wide(
+        #[inline(always)]
+        || {
+            for (near, input) in near.iter_mut().zip(all) {
+                let mut distance = 0.0;
+                for i in 0..N {
+                    let apart = input[i] - at[i];
+                    distance = apart.mul_add(apart, distance);
+                }
+                *near = scale * distance;
+            }
+            for near in near.iter_mut() {
+                *near = exp(*near);
+            }
+        },
+    );
 }
 
 fn squared_exponential(a: &[f64; 6], b: &[f64; 6], length_scale: f64) -> f64 {
@@ -594,6 +662,20 @@ mod tests {
         let far = model.usual_posture(&Pose::translation(3.0, 0.0, 0.0), 1.7);
         assert!(far.confidence < 1e-3);
         assert_relative_eq!(far.posture, postures.row_mean().transpose(), epsilon = 1e-3);
+    }
+
+    #[test]
+    fn along_a_path_postures_are_the_same_and_their_confidence_nearly() {
+        let (_, _, model) = trained();
+        for count in [1, 2, 9, 60] {
+            let at = |k: usize| Pose::translation(0.3 + 0.008 * k as f64, 0.05, 0.2);
+            let hands: Vec<Pose> = (0..count).map(at).collect();
+            let exact = model.usual_postures(&hands, 1.7);
+            for (a, b) in exact.iter().zip(model.usual_along(&hands, 1.7)) {
+                assert_eq!(a.posture, b.posture);
+                assert!((a.confidence - b.confidence).abs() < 0.03);
+            }
+        }
     }
 
     #[test]

@@ -336,17 +336,17 @@ impl Coupling {
         &self,
         hand: usize,
         target: &Pose,
-        usual: &UnitQuaternion<f64>,
+        usual: impl FnOnce() -> UnitQuaternion<f64>,
     ) -> Pose {
         let rotation = match self.holds[hand] {
             Hold::Rigid => target.rotation,
             Hold::FreeRoll => {
                 // The twist about the bar of the rotation from the target to the usual orientation.
-                let between = target.rotation.inverse() * usual;
+                let between = target.rotation.inverse() * usual();
                 let roll = 2.0 * between.k.atan2(between.w);
                 target.rotation * UnitQuaternion::from_axis_angle(&Vec3::z_axis(), roll)
             }
-            Hold::Point | Hold::Planar => *usual,
+            Hold::Point | Hold::Planar => usual(),
         };
         Pose::from_parts(target.translation, rotation)
     }

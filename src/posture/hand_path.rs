@@ -184,10 +184,10 @@ fn usual_postures(
     let h = coupling.stature_m();
     let of = |hand: usize, poses: Vec<Pose>| {
         let looked_up = |grip: &Pose| {
-            let usual = attraction.usual_orientation(&grip.translation.vector, h);
-            coupling.looked_up(hand, grip, &usual)
+            coupling
+                .looked_up(hand, grip, || attraction.usual_orientation(&grip.translation.vector, h))
         };
-        attraction.usual_postures(&poses.iter().map(looked_up).collect::<Vec<_>>(), h)
+        attraction.usual_along(&poses.iter().map(looked_up).collect::<Vec<_>>(), h)
     };
     let first = of(0, grips.iter().map(|g| g.first).collect());
     // The second hand is looked up in the mirror image, where it is the first.

@@ -18,6 +18,7 @@
 //! `F F^T` is the covariance of the residuals at the usual (rms) hand speed.
 
 use super::lowness::Lowness;
+use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -279,11 +280,19 @@ impl DriftPath {
     /// Angles since time 0, n, rad.
     pub fn at(&self, time_s: f64) -> DVector<f64> {
         let mut sum = DVector::zeros(self.cosines.nrows());
-        for (j, rate) in self.rates.iter().enumerate() {
-            let (sin, cos) = (rate * time_s).sin_cos();
-            sum.axpy(cos - 1.0, &self.cosines.column(j), 1.0);
-            sum.axpy(sin, &self.sines.column(j), 1.0);
-        }
+        wide(
+            #[inline(always)]
+            || {
+                for (j, rate) in self.rates.iter().enumerate() {
+                    let (sine, cosine) = sin_cos(rate * time_s);
+                    let both =
+                        self.cosines.column(j).into_iter().zip(self.sines.column(j).into_iter());
+                    for (sum, (c, s)) in sum.iter_mut().zip(both) {
+                        *sum = c.mul_add(cosine - 1.0, s.mul_add(sine, *sum));
+                    }
+                }
+            },
+        );
         sum
     }
 }

@@ -67,6 +67,7 @@ pub fn roll_out(
     let here = Spot {
         seen: coupling.observe(first, &mut frames),
         q: first.clone(),
+        number: 0,
         frames,
         bounds: Bounds::default(),
         beyond: None,
@@ -77,6 +78,7 @@ pub fn roll_out(
         path,
         draw,
         solver: StepSolver::new(law.weight.clone()),
+        looks: 0,
         aside: here.clone(),
         here,
         before: first.clone(),
@@ -144,6 +146,8 @@ impl<'a> Seen<'a> {
 #[derive(Clone)]
 struct Spot {
     q: DVector<f64>,
+    /// Another one whenever it is looked at.
+    number: u64,
     seen: Observation,
     frames: Frames,
     /// What legs and balance allow, where it was looked at.
@@ -153,7 +157,9 @@ struct Spot {
 }
 
 impl Spot {
-    fn look(&mut self, coupling: &Coupling) {
+    fn look(&mut self, coupling: &Coupling, looks: &mut u64) {
+        *looks += 1;
+        self.number = *looks;
         coupling.observe_again(&self.q, &mut self.frames, &mut self.seen);
         self.beyond = None;
     }
@@ -170,6 +176,8 @@ struct State<'a> {
     path: &'a HandPath,
     draw: Option<&'a Draw<'a>>,
     solver: StepSolver,
+    /// How often a posture was looked at.
+    looks: u64,
     /// At the knots before and after the step.
     before: DVector<f64>,
     here: Spot,
@@ -262,7 +270,7 @@ impl State<'_> {
         // Look from there, and come back to the knot.
         std::mem::swap(&mut self.here, &mut self.aside);
         self.here.q = &self.aside.q + change;
-        self.here.look(self.coupling);
+        self.here.look(self.coupling, &mut self.looks);
         let error = if self.law.is_direct {
             Ok(self.coupling.task_error(&self.here.seen.grips, target))
         } else {
@@ -295,7 +303,7 @@ impl State<'_> {
             return Err(ReachExceeded);
         }
         self.here.q += moved;
-        self.here.look(self.coupling);
+        self.here.look(self.coupling, &mut self.looks);
         Ok(())
     }
 
@@ -314,7 +322,8 @@ impl State<'_> {
             return solver.solve(&here.q, jacobian, task, wish, allowed, 1.0);
         }
         let beyond = |change: &DVector<f64>| coupling.curvature(&here.frames, &here.seen, change);
-        solver.solve_curved(&here.q, (&here.seen.jacobian, beyond), task, wish, allowed)
+        let from = (&here.q, here.number);
+        solver.solve_curved(from, (&here.seen.jacobian, beyond), task, wish, allowed)
     }
 
     /// Newton corrections when the curvature of the step has taken the hand off the path, or a leg that it

@@ -93,6 +93,11 @@ pub struct StepSolver {
     /// Of the bounds.
     bound: Vec<Option<f64>>,
     system: System,
+    /// That of the posture of this number with nothing held: all that is asked there shares it.
+    free: System,
+    free_at: Option<u64>,
+    /// Whether it was solved last.
+    is_free: bool,
 }
 
 /// The equations of one pass: m rows of the task and of held sums, in blocks of eight; n joints.
@@ -124,12 +129,16 @@ impl StepSolver {
             sums: Vec::new(),
             bound: Vec::new(),
             system: System::default(),
+            free: System::default(),
+            free_at: None,
+            is_free: false,
         }
     }
 
     /// Takes another weight of the same size.
     pub fn set_weight(&mut self, weight: DMatrix<f64>) {
         self.weight = weight;
+        self.free_at = None;
     }
 
     /// Joint velocity (n, rad/s) that meets `jacobian` (m x n) `qdot = task` (m), is otherwise the
@@ -143,26 +152,40 @@ impl StepSolver {
         allowed: impl Into<Allowed<'a>>,
         dt: f64,
     ) -> Result<DVector<f64>, ReachExceeded> {
-        let allowed = allowed.into();
+        self.solve_at(q, (jacobian, None), task, preferred, allowed.into(), dt)
+    }
+
+    /// The same at a posture with a number, which says that its `jacobian` is the same as when it was seen last.
+    fn solve_at(
+        &mut self,
+        q: &DVector<f64>,
+        jacobian: (&DMatrix<f64>, Option<u64>),
+        task: &DVector<f64>,
+        preferred: &DVector<f64>,
+        allowed: Allowed,
+        dt: f64,
+    ) -> Result<DVector<f64>, ReachExceeded> {
         // Locking all violators at once is fast; one at a time locks no more than needed.
         self.passes(q, jacobian, task, preferred, allowed, (dt, false))
             .or_else(|_| self.passes(q, jacobian, task, preferred, allowed, (dt, true)))
     }
 
     /// The same where the task follows the velocity along a curve: `beyond` (m) is what a velocity brings of it
-    /// that `jacobian` does not show. One correction, with the same joints at their limits, unless others would
+    /// that `jacobian`, that of the posture of a number, does not show. One correction, with the same joints at their limits, unless others would
     /// then leave theirs.
     pub(super) fn solve_curved<'a>(
         &mut self,
-        q: &DVector<f64>,
+        (q, number): (&DVector<f64>, u64),
         (jacobian, beyond): (&DMatrix<f64>, impl Fn(&DVector<f64>) -> DVector<f64>),
         task: &DVector<f64>,
         preferred: &DVector<f64>,
         allowed: impl Into<Allowed<'a>>,
     ) -> Result<DVector<f64>, ReachExceeded> {
         let allowed = allowed.into();
-        let straight = self.solve(q, jacobian, task, preferred, allowed, 1.0)?;
-        let curved = self.system.also(&straight, &-beyond(&straight));
+        let there = (jacobian, Some(number));
+        let straight = self.solve_at(q, there, task, preferred, allowed, 1.0)?;
+        let solved = if self.is_free { &mut self.free } else { &mut self.system };
+        let curved = solved.also(&straight, &-beyond(&straight));
         let is_allowed = self.violations(q, &curved, allowed, 1.0).is_empty();
         Ok(if is_allowed { curved } else { straight })
     }
@@ -170,7 +193,7 @@ impl StepSolver {
     fn passes(
         &mut self,
         q: &DVector<f64>,
-        jacobian: &DMatrix<f64>,
+        jacobian: (&DMatrix<f64>, Option<u64>),
         task: &DVector<f64>,
         preferred: &DVector<f64>,
         allowed: Allowed,
@@ -208,19 +231,26 @@ impl StepSolver {
     /// The conditioned mean with locked joints, sums and bounds.
     fn conditioned(
         &mut self,
-        jacobian: &DMatrix<f64>,
+        (jacobian, number): (&DMatrix<f64>, Option<u64>),
         task: &DVector<f64>,
         preferred: &DVector<f64>,
         Allowed { limits, bounds }: Allowed,
     ) -> Result<DVector<f64>, ReachExceeded> {
-        let Self { weight, locked, sums, bound, system } = self;
+        let is_held = |list: &[Option<f64>]| list.iter().any(Option::is_some);
+        let holds = [&self.locked, &self.sums, &self.bound].into_iter().any(|l| is_held(l));
+        self.is_free = number.is_some() && !holds;
+        if self.is_free {
+            return self.conditioned_freely((jacobian, number), task, preferred);
+        }
+        let Self { weight, locked, sums, bound, system, .. } = self;
         let mut velocity = preferred.clone();
         for (v, rate) in velocity.iter_mut().zip(locked.iter()) {
             *v = rate.unwrap_or(*v);
         }
         let (sums, bound) = (held(sums), held(bound));
         let count = task.len() + sums.clone().count() + bound.clone().count();
-        system.fill(count, jacobian, task);
+        system.fill(count, jacobian);
+        system.ask(task);
         let mut row = task.len();
         for (sum, rate) in sums {
             for &column in &limits.sums[sum].columns {
@@ -254,6 +284,42 @@ impl StepSolver {
         } else {
             Err(ReachExceeded)
         }
+    }
+
+    /// The same with nothing held: the system is made once for a posture.
+    fn conditioned_freely(
+        &mut self,
+        (jacobian, number): (&DMatrix<f64>, Option<u64>),
+        task: &DVector<f64>,
+        preferred: &DVector<f64>,
+    ) -> Result<DVector<f64>, ReachExceeded> {
+        let Self { weight, locked, free, free_at, .. } = self;
+        let is_known = *free_at == number;
+        if !is_known {
+            free.fill(jacobian.nrows(), jacobian);
+            *free_at = None;
+        }
+        free.ask(task);
+        let mut velocity = preferred.clone();
+        let is_solved = wide(
+            #[inline(always)]
+            || {
+                free.subtract(velocity.as_slice());
+                if !is_known {
+                    free.multiply(weight.as_slice(), locked);
+                }
+                (is_known || free.factorise()) && {
+                    free.substitute();
+                    free.add_to(velocity.as_mut_slice());
+                    true
+                }
+            },
+        );
+        if !is_solved {
+            return Err(ReachExceeded);
+        }
+        *free_at = number;
+        if velocity.iter().all(|v| v.is_finite()) { Ok(velocity) } else { Err(ReachExceeded) }
     }
 
     fn violations(
@@ -291,20 +357,18 @@ impl StepSolver {
 #[allow(clippy::inline_always, reason = "must be compiled inside the vectorised loop")]
 impl System {
     /// Sizes everything for `count` rows, of which the task gives the first.
-    fn fill(&mut self, count: usize, jacobian: &DMatrix<f64>, task: &DVector<f64>) {
-        let n = jacobian.ncols();
+    fn fill(&mut self, count: usize, jacobian: &DMatrix<f64>) {
+        let (m, n) = jacobian.shape();
         self.count = count;
         self.blocks = count.div_ceil(LANES);
         for (list, length) in [
             (&mut self.rows, n * self.blocks),
             (&mut self.across, n * self.blocks),
             (&mut self.gram, count * self.blocks),
-            (&mut self.missing, self.blocks),
         ] {
             list.clear();
             list.resize(length, [0.0; LANES]);
         }
-        let m = task.len();
         if m == 0 {
             return;
         }
@@ -312,7 +376,13 @@ impl System {
         for (own, column) in self.rows.chunks_exact_mut(self.blocks).zip(columns) {
             own.as_flattened_mut()[..m].copy_from_slice(column);
         }
-        self.missing.as_flattened_mut()[..m].copy_from_slice(task.as_slice());
+    }
+
+    /// What the first rows are to come to.
+    fn ask(&mut self, task: &DVector<f64>) {
+        self.missing.clear();
+        self.missing.resize(self.blocks, [0.0; LANES]);
+        self.missing.as_flattened_mut()[..task.len()].copy_from_slice(task.as_slice());
     }
 
     fn set(&mut self, row: usize, column: usize, value: f64) {
@@ -522,6 +592,29 @@ mod tests {
             let reference = condition(&j, &w, &z, &x).unwrap().mean;
             prop_assert!((&j * &own - &x).norm() < 1e-8);
             prop_assert!((own - reference).norm() < 1e-6);
+        }
+
+        #[test]
+        fn what_is_asked_at_one_posture_is_answered_as_by_one_who_asks_once(seed in 0u64..60) {
+            let random = |r: usize, c: usize, k: u64| random(r, c, 10 * seed + k);
+            let (j, a) = ([random(3, 10, 1), random(3, 10, 2)], random(10, 10, 3));
+            let w = &a * a.transpose() + DMatrix::identity(10, 10) * 0.1;
+            let q = DVector::zeros(10);
+            let limits = PostureLimits {
+                lower: vec![-0.9; 10],
+                upper: vec![0.9; 10],
+                sums: Vec::new(),
+            };
+            let straight = |_: &DVector<f64>| DVector::zeros(3);
+            let mut solver = StepSolver::new(w.clone());
+            // The same posture three times, another one, and the first under a new number.
+            for (k, (which, number)) in [(0, 1), (0, 1), (0, 1), (1, 2), (0, 3)].into_iter().enumerate() {
+                let z = random(10, 1, 4 + k as u64).column(0).into_owned();
+                let x = random(3, 1, 9 + k as u64).column(0) * 0.3;
+                let own = solver.solve_curved((&q, number), (&j[which], straight), &x, &z, &limits);
+                let once = StepSolver::new(w.clone()).solve(&q, &j[which], &x, &z, &limits, 1.0);
+                prop_assert_eq!(own, once);
+            }
         }
 
         #[test]

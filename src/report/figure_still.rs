@@ -144,7 +144,9 @@ impl Parts {
         let ghosts = ghosts
             .filter_map(body)
             .map(|points| {
-                solids(pieces.iter().filter(|c| c.kind != Some(SegmentKind::Stool)), &points)
+                let own = pieces.iter().filter(|c| c.kind != Some(SegmentKind::Stool));
+                let there = own.filter(|c| c.fits(points.len()));
+                there.map(|c| Solid::veil(c, &points)).collect()
             })
             .collect();
         let mut cell: Vec<Thing> = (view.result.scene.obstacles.iter())

@@ -89,6 +89,8 @@ struct Seen {
     near: f32,
     /// Number of the thing; 0 for the floor and beyond.
     thing: u16,
+    /// The last veil before it; 0 for none.
+    veil: u16,
     color: [f32; 3],
 }
 
@@ -100,13 +102,14 @@ pub(super) struct Canvas {
     pixels: Vec<Seen>,
     shadow: Vec<bool>,
     things: u16,
+    veils: u16,
 }
 
 impl Canvas {
     /// Nothing but white.
     pub(super) fn new(eye: Eye, (width, height): (u32, u32)) -> Self {
         let [width, height] = [width as usize, height as usize];
-        let blank = Seen { near: 0.0, thing: 0, color: rgb(WHITE) };
+        let blank = Seen { near: 0.0, thing: 0, veil: 0, color: rgb(WHITE) };
         Self {
             eye,
             width,
@@ -114,6 +117,7 @@ impl Canvas {
             pixels: vec![blank; width * height],
             shadow: vec![false; width * height],
             things: 0,
+            veils: 0,
         }
     }
 
@@ -131,7 +135,7 @@ impl Canvas {
                 &shades,
                 |pixel, _, near, light| {
                     if near > pixel.near {
-                        *pixel = Seen { near, thing, color: color.map(|c| c * light) };
+                        *pixel = Seen { near, thing, veil: 0, color: color.map(|c| c * light) };
                     }
                 },
             );
@@ -143,22 +147,25 @@ impl Canvas {
     /// things from number `clear` on as they are.
     pub(super) fn veil(&mut self, solids: &[Solid], clear: usize, color: RGBColor, opacity: f32) {
         let color = rgb(color);
-        let mut covered = vec![false; self.pixels.len()];
+        self.veils += 1;
+        let veil = self.veils;
         for solid in solids {
             let shades = vec![1.0; solid.corners.len()];
             self.fill(
                 solid,
                 |p| p,
                 &shades,
-                |pixel, at, near, _| {
-                    covered[at] |= near > pixel.near && usize::from(pixel.thing) <= clear;
+                |pixel, _, near, _| {
+                    let is_clear = usize::from(pixel.thing) > clear;
+                    if pixel.veil == veil || is_clear || near <= pixel.near {
+                        return;
+                    }
+                    pixel.veil = veil;
+                    for (below, above) in pixel.color.iter_mut().zip(color) {
+                        *below += opacity * (above - *below);
+                    }
                 },
             );
-        }
-        for (pixel, _) in self.pixels.iter_mut().zip(covered).filter(|(_, is)| *is) {
-            for (below, above) in pixel.color.iter_mut().zip(color) {
-                *below += opacity * (above - *below);
-            }
         }
     }
 
@@ -195,7 +202,8 @@ impl Canvas {
             }
             let [a, b, c] = t.map(|c| c.at);
             let twice_area = cross(a, b, c);
-            if twice_area.abs() < 1e-9 {
+            // The far side of what is closed is hidden behind its near side.
+            if twice_area.abs() < 1e-9 || (solid.is_closed && twice_area > 0.0) {
                 continue;
             }
             let rows = {

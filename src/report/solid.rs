@@ -15,6 +15,8 @@ struct Fineness {
 
 /// Of bodies and obstacles.
 const FINE: Fineness = Fineness { around: 28, up: 16 };
+/// Of bodies that are seen through.
+const VEILED: Fineness = Fineness { around: 16, up: 10 };
 /// Of what is a few millimetres thick.
 const COARSE: Fineness = Fineness { around: 8, up: 4 };
 /// Sides of a cylinder.
@@ -27,6 +29,8 @@ pub(super) struct Solid {
     pub corners: Vec<[Vec3; 2]>,
     /// Indices of the corners.
     pub triangles: Vec<[usize; 3]>,
+    /// All around something, the triangles counter-clockwise as seen from outside.
+    pub is_closed: bool,
 }
 
 impl Solid {
@@ -45,13 +49,19 @@ impl Solid {
         let triangles = cells.flat_map(|(i, j)| {
             [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
         });
-        Self { corners, triangles: triangles.collect() }
+        Self { corners, triangles: triangles.collect(), is_closed: true }
     }
 
     /// A piece of a person or a robot, between its points.
     pub(super) fn piece(piece: &SceneCapsule, points: &[Vec3]) -> Self {
         let outline = Outline::of(piece, points);
         Self::convex(FINE, |d| outline.farthest(d))
+    }
+
+    /// The same less finely.
+    pub(super) fn veil(piece: &SceneCapsule, points: &[Vec3]) -> Self {
+        let outline = Outline::of(piece, points);
+        Self::convex(VEILED, |d| outline.farthest(d))
     }
 
     /// All points within a radius of a segment.

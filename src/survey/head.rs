@@ -18,7 +18,7 @@
 use super::NeckRule;
 use crate::human::{Head, Side};
 use crate::math::stream::{Purpose, normals, stream};
-use crate::math::{Pose, Vec3};
+use crate::math::{Rotation, Vec3};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -99,9 +99,16 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    pub(crate) fn new(thorax: &Pose, head_at: &Vec3, hand: &Vec3, inclination: f64) -> Self {
-        let to = thorax.rotation.inverse() * (hand - head_at);
+    pub(crate) fn new(thorax: &Rotation, head_at: &Vec3, hand: &Vec3, inclination: f64) -> Self {
+        let to = thorax.inverse() * (hand - head_at);
         Self { to: to.try_normalize(1e-9).unwrap_or_else(Vec3::x), inclination }
+    }
+
+    /// Its rotation in the axes of the thorax, by a rule.
+    pub(crate) fn turned(&self, rule: NeckRule, draw: &HeadDraw) -> Rotation {
+        let head = self.head(rule, draw);
+        let turned = if rule == NeckRule::Gaze { head.about_axes() } else { head.rotation() };
+        turned.to_rotation_matrix()
     }
 
     /// The head by a rule.
@@ -158,7 +165,7 @@ mod tests {
     use super::*;
 
     fn sight(hand: Vec3, inclination_deg: f64) -> Sight {
-        Sight::new(&Pose::identity(), &Vec3::zeros(), &hand, inclination_deg * DEG)
+        Sight::new(&Rotation::identity(), &Vec3::zeros(), &hand, inclination_deg * DEG)
     }
 
     #[test]

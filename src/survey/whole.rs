@@ -150,7 +150,7 @@ impl WholeSurveyor {
             l5s1: at(parts.l5).translation.vector,
             c7t1: at(parts.neck).translation.vector,
         };
-        let neutral = trunk_neck_angles(&body);
+        let neutral = trunk_neck_angles(&body).with_head(&Rotation::identity());
         let arms = parts.arms.map(|a| Some(measure_arm(&posed, rest, a, &body)));
         let wrists = parts.arms.map(|a| at(a.hand).translation.vector);
         let head_at = at(parts.head).translation.vector;

@@ -40,7 +40,12 @@ fn seen() -> Option<Vec<Seen>> {
             let turn = |name: &str| r.segment(name).unwrap().rotation[frame];
             let thorax = Pose::from_parts(at("T8").into(), turn("T8"));
             let inclination = (turn("T8") * Vec3::y()).angle(&Vec3::z());
-            let sight = Sight::new(&thorax, &at("Head"), &at("RightHand"), inclination);
+            let sight = Sight::new(
+                &thorax.rotation.to_rotation_matrix(),
+                &at("Head"),
+                &at("RightHand"),
+                inclination,
+            );
             let mean = HeadDraw::mean(Some(Side::Right));
             let [hip, knee, foot] = ["RightUpperLeg", "RightLowerLeg", "RightFoot"].map(at);
             all.push(Seen {

@@ -6,7 +6,7 @@ use ergopath::ergonomics::{
 };
 use ergopath::human::{Body, Pelvis, Side, Stance, mirror_sign};
 use ergopath::math::stream::{Purpose, stream};
-use ergopath::survey::{HeadDraw, Lens, NeckRule, PostureAngles, Surveyor};
+use ergopath::survey::{HeadDraw, Lens, NeckRule, PostureAngles, Scorable, Surveyor};
 use nalgebra::DVector;
 use proptest::prelude::*;
 use std::path::Path;

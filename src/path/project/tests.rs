@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::path::bounds::shortest_straight_s;
+use crate::path::hull::integrated;
 use crate::path::transcription::{Rows, Task};
 use crate::path::{
     CandidateSettings, Cause, End, Face, Quantity, candidates, reference_path, verify,
@@ -195,6 +196,33 @@ fn the_solution_is_optimal_by_its_own_conditions() {
         // Multipliers grow with the cost of the way that is cut off, some 1e3 here.
         let largest = z.iter().map(|v| v.abs()).fold(1.0, f64::max);
         assert!(r.stationarity < 1e-6 * largest && r.complementarity < 1e-6 * largest, "{r:?}");
+    }
+}
+
+#[test]
+fn rows_that_are_left_out_change_nothing() {
+    // Peak speeds of the reference: 0.6, 0.95 and 1.02 times the limit.
+    for share in [0.6, 0.95, 1.02] {
+        let limits = PathLimits { speed_m_s: 0.5, ..PathLimits::default() };
+        let duration = 4.0;
+        let reference = line(share * limits.speed_m_s * duration / 1.875, duration);
+        let (path, _) = feasible(default_project(&reference, &limits));
+        let positions: Vec<Vec3> = reference.poses.iter().map(|p| p.translation.vector).collect();
+        let rows = Rows { acceleration: true, jerk: true, ..Rows::default() };
+        let task = Task {
+            reference: &positions,
+            step_s: duration / (positions.len() - 1) as f64,
+            limits: &limits,
+            jerk_weight: ProjectionSettings::default().jerk_weight,
+            margin: 1e-6,
+            rows: &rows,
+        };
+        assert_eq!(positions.len() - 1, path.steps());
+        let Outcome::Solved { x, .. } = solve(&task.problem()) else { panic!() };
+        let whole = integrated(&positions[0], task.step_s, task.jerks(&x));
+        for (a, b) in path.position.iter().zip(&whole.position) {
+            assert!((a - b).norm() < 2e-6, "{share}: {a} {b}");
+        }
     }
 }
 

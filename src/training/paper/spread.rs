@@ -10,7 +10,7 @@ use crate::ergonomics::{Profile, TaskInputs, rula_continuous};
 use crate::files::InputError;
 use crate::human::{Body, Coupled, PELVIS_JOINTS, Pelvis, Side, Stance};
 use crate::posture::{Method, Sampler};
-use crate::survey::{HeadDraw, Lens, NeckRule, Surveyor};
+use crate::survey::{HeadDraw, Lens, NeckRule, Scorable, Surveyor};
 use crate::training::TrainSettings;
 use crate::training::methods::{learn_laws, singular};
 use crate::training::people::Curve;
