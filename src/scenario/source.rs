@@ -1,7 +1,8 @@
 //! The text behind a scenario: refusals that show the place, and the values that every part needs.
 
-use super::plausible::{Doubt, FARTHEST_M};
+use super::plausible::Doubt;
 use crate::files::InputError;
+use crate::physical::{COORDINATE_M, GRIP_M};
 use std::cell::RefCell;
 use std::path::Path;
 use toml::Spanned;
@@ -68,10 +69,21 @@ impl Source<'_> {
 
     /// Refuses coordinates that no cell has.
     pub(super) fn refuse_far(&self, key: &str, position_m: &[f64]) -> Result<(), InputError> {
-        match position_m.iter().find(|v| v.is_nan() || v.abs() > FARTHEST_M) {
-            Some(&value) => {
+        match COORDINATE_M.outside(position_m.iter().copied()) {
+            Some(value) => {
                 Err(self.question(&Doubt::Millimetres { place: key.to_owned(), value }))
             }
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a place of a hand on the tool that no hand reaches from there.
+    pub(super) fn refuse_off_tool(&self, key: &str, place_m: &[f64; 3]) -> Result<(), InputError> {
+        self.refuse_far(key, place_m)?;
+        match GRIP_M.outside(place_m.iter().copied()) {
+            Some(value) => Err(self
+                .plain(format!("{key} holds {value} m: no hand is held so far from the tool"))
+                .remedy(format!("give metres from the TCP, {GRIP_M}"))),
             None => Ok(()),
         }
     }

@@ -1,8 +1,9 @@
 //! Limits of joints and sizes of collision shapes, with what URDF parsers let through: speeds below 0,
 //! accelerations (URDF 1.2), soft limits of a `safety_controller`, radii that are no numbers.
 
-use super::{FARTHEST_M, Source};
+use super::Source;
 use crate::files::InputError;
+use crate::physical::{ROBOT_SPEED, SHAPE_M};
 use roxmltree::Node;
 use std::path::Path;
 
@@ -42,6 +43,13 @@ impl Source<'_> {
             Some(0.0) => {
                 warnings
                     .push(format!("joint `{name}`: a {attribute} limit of 0 counts as none given"));
+                Ok(f64::INFINITY)
+            }
+            // What no robot does is a way of saying that there is no limit.
+            Some(value) if !ROBOT_SPEED.holds(value) && attribute == "velocity" => {
+                warnings.push(format!(
+                    "joint `{name}`: a velocity limit of {value} is beyond any robot and counts as none given"
+                ));
                 Ok(f64::INFINITY)
             }
             Some(value) => Ok(value),
@@ -90,7 +98,7 @@ pub(super) fn check_shapes(path: &Path, robot: &urdf_rs::Robot) -> Result<(), In
                 urdf_rs::Geometry::Box { size } => size.0.to_vec(),
                 urdf_rs::Geometry::Mesh { .. } => Vec::new(),
             };
-            if let Some(size) = sizes.iter().find(|s| !(0.0..=FARTHEST_M).contains(*s)) {
+            if let Some(size) = sizes.iter().find(|s| !SHAPE_M.holds(**s)) {
                 let message =
                     format!("link `{}`: a collision shape has a size of {size} m", link.name);
                 return Err(InputError::new(path, message)
