@@ -5,6 +5,8 @@
 //! cargo run --release --features peers --example seal -- models/posture/people.json
 //! ```
 
+#![allow(clippy::print_stderr, reason = "a program says what it did")]
+
 use ergopath::files::{CHECKSUM, sealed, write_whole};
 use std::path::Path;
 

@@ -36,4 +36,4 @@ pub use schema::toml_schema;
 pub use seal::{CHECKSUM, Seal, sealed, sealed_json, sealed_pretty_json, take_seal};
 pub use sweep::sweep_killed;
 pub use table::NumericTable;
-pub use text::{parse_toml, read_bytes, read_text, sha256_hex};
+pub use text::{is_formula, parse_toml, read_bytes, read_text, sha256_hex};

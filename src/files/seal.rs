@@ -83,7 +83,8 @@ fn checksum(value: &Value) -> Result<String, serde_json::Error> {
 mod tests {
     use super::*;
 
-    const TEXT: &str = "{\"schema\":\"x/1\",\"a\":[1.5,0.1,1e-7,100.0],\"b\":{\"d\":null,\"c\":\"\u{e4}\"}}\n";
+    const TEXT: &str =
+        "{\"schema\":\"x/1\",\"a\":[1.5,0.1,1e-7,100.0],\"b\":{\"d\":null,\"c\":\"\u{e4}\"}}\n";
 
     fn take(text: &str) -> Result<Seal, String> {
         let mut value: Value = serde_json::from_str(text).unwrap();
@@ -95,7 +96,8 @@ mod tests {
     #[test]
     fn the_checksum_is_that_of_the_canonical_form() {
         // What RFC 8785 makes of it, typed by hand.
-        let canonical = "{\"a\":[1.5,0.1,1e-7,100],\"b\":{\"c\":\"\u{e4}\",\"d\":null},\"schema\":\"x/1\"}";
+        let canonical =
+            "{\"a\":[1.5,0.1,1e-7,100],\"b\":{\"c\":\"\u{e4}\",\"d\":null},\"schema\":\"x/1\"}";
         let wanted = format!(",\"checksum\":\"{}\"}}\n", sha256_hex(canonical.as_bytes()));
         let text = sealed(TEXT).unwrap();
         assert!(text.ends_with(&wanted), "{text} {wanted}");
@@ -133,7 +135,9 @@ mod tests {
     #[test]
     fn many_lines_stay_many_lines() {
         let text = sealed("{\n  \"a\": 1\n}\n").unwrap();
-        assert!(text.starts_with("{\n  \"a\": 1,\n  \"checksum\": \"") && text.ends_with("\"\n}\n"));
+        assert!(
+            text.starts_with("{\n  \"a\": 1,\n  \"checksum\": \"") && text.ends_with("\"\n}\n")
+        );
         assert_eq!(take(&text), Ok(Seal::Whole));
         assert_eq!(take(&sealed("{}").unwrap()), Ok(Seal::Whole));
         assert_eq!(sealed("[1]\n").unwrap(), "[1]\n");

@@ -142,6 +142,13 @@ fn plain(e: &std::io::Error) -> String {
     }
 }
 
+/// Whether a spreadsheet takes a cell of a table for a formula, which may do anything, and not for a text or a
+/// number.
+pub fn is_formula(cell: &str) -> bool {
+    let cell = cell.trim_start();
+    cell.starts_with(['=', '+', '-', '@']) && cell.parse::<f64>().is_err()
+}
+
 /// SHA-256 of some bytes, in lower-case hexadecimal.
 pub fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |mut hex, b| {
@@ -247,6 +254,16 @@ mod tests {
         assert!(error.to_string().contains("a pipe or a device"), "{error}");
         let error = read_bytes(Path::new("/dev")).unwrap_err();
         assert!(error.to_string().contains("is a folder"), "{error}");
+    }
+
+    #[test]
+    fn formulas_of_spreadsheets_are_no_names() {
+        for cell in ["=cmd|' /C calc'!A0", "@SUM(1)", "+1+1", "-a", " =1", "-"] {
+            assert!(is_formula(cell), "{cell}");
+        }
+        for cell in ["-0.1", "+2", "a = b", "2-1", "today", "", "<script>"] {
+            assert!(!is_formula(cell), "{cell}");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::pelvis::{PELVIS, REST, SEATED, on_moving_pelvis};
 use super::proportions::{BodySize, Proportions, Sex, proportions};
 use super::side::{Coupled, Pelvis, Side};
 use super::workforce::POPULATION;
-use crate::files::{InputError, Memo, parse_toml, read_text, suggest};
+use crate::files::{InputError, Memo, is_formula, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;
 use crate::math::{Pose, Vec3};
@@ -142,10 +142,14 @@ impl Body {
         let size = parsed.size.check().map_err(|e| InputError::new(sheet_path, e).remedy(AGAIN))?;
         // It becomes part of the names of files.
         let is_plain = |c: char| c.is_alphanumeric() || "-_. (),+".contains(c);
-        if parsed.name.is_empty() || parsed.name.len() > 80 || !parsed.name.chars().all(is_plain) {
+        if parsed.name.is_empty()
+            || parsed.name.len() > 80
+            || is_formula(&parsed.name)
+            || !parsed.name.chars().all(is_plain)
+        {
             let message = format!("name {:?} is not plain", parsed.name);
             return Err(InputError::new(sheet_path, message)
-                .remedy("use letters, digits, spaces and .,()+-_ only, 80 characters at most"));
+                .remedy("use letters, digits, spaces and .,()+-_ only, a letter or digit first, 80 characters at most"));
         }
         prove(&parsed, &model).map_err(|e| InputError::new(sheet_path, e).remedy(AGAIN))?;
         for side in [Side::Right, Side::Left] {
@@ -323,7 +327,9 @@ fn prove(sheet: &BodySheet, model: &Model) -> Result<(), String> {
         joints.find(|j| JOINT_RAD.outside([j.lower, j.upper]).is_some() || j.lower > j.upper)
     {
         let (name, lower, upper) = (&joint.name, joint.lower, joint.upper);
-        return Err(format!("joint `{name}`: {lower} to {upper} rad is no range of a person's joint"));
+        return Err(format!(
+            "joint `{name}`: {lower} to {upper} rad is no range of a person's joint"
+        ));
     }
     let all: f64 = model.links.iter().map(|l| l.mass_kg).sum();
     let mass_kg = sheet.size.mass_kg;

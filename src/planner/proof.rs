@@ -41,9 +41,10 @@ pub(super) fn prove(result: &RunResult, value: &Value) -> Result<(), String> {
             return Err(format!("names a body `{body}`, which it does not hold"));
         }
     }
-    result.candidates.iter().try_for_each(|c| {
-        candidate(c).map_err(|e| format!("path `{}`: {e}", c.id))
-    })
+    result
+        .candidates
+        .iter()
+        .try_for_each(|c| candidate(c).map_err(|e| format!("path `{}`: {e}", c.id)))
 }
 
 fn candidate(c: &CandidateResult) -> Result<(), String> {

@@ -70,8 +70,9 @@ pub fn parse_result(path: &Path, text: &str) -> Result<RunResult, InputError> {
     let mut value: serde_json::Value = serde_json::from_str(text).map_err(broken)?;
     let again = "make the run again";
     let seal = take_seal(path, &mut value, again)?;
-    prove(&result, &value)
-        .map_err(|e| InputError::new(path, format!("holds what no run finds: {e}")).remedy(again))?;
+    prove(&result, &value).map_err(|e| {
+        InputError::new(path, format!("holds what no run finds: {e}")).remedy(again)
+    })?;
     if seal == Seal::Missing {
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         result.warnings.push(Warning::NoChecksum { file });

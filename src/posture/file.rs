@@ -84,8 +84,9 @@ fn parse_anew(path: &Path, text: &str) -> Result<(PostureModel, String), InputEr
         object.remove("schema");
     }
     let model: PostureModel = serde_json::from_value(value).map_err(broken)?;
-    prove(&model)
-        .map_err(|e| InputError::new(path, format!("is not a model of a person: {e}")).remedy(remedy))?;
+    prove(&model).map_err(|e| {
+        InputError::new(path, format!("is not a model of a person: {e}")).remedy(remedy)
+    })?;
     Ok((PostureModel { seal, ..model }, sha256_hex(text.as_bytes())))
 }
 

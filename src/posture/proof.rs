@@ -80,11 +80,7 @@ fn joints(model: &PostureModel) -> Result<(), String> {
 }
 
 /// A law with its postures, of these joints.
-fn way(
-    law: &PostureLaw,
-    postures: &PostureDistribution,
-    joints: &[String],
-) -> Result<(), String> {
+fn way(law: &PostureLaw, postures: &PostureDistribution, joints: &[String]) -> Result<(), String> {
     let n = joints.len();
     covariance("law.weight", &law.weight, n, SPEED_VARIANCE)?;
     if let Some(offset) = &law.offset {
@@ -120,8 +116,7 @@ fn way(
         same("joints of law.attraction", attraction.dof(), n)?;
         for (column, joint) in attraction.postures().column_iter().zip(joints) {
             let what = || format!("law.attraction.postures_rad of `{joint}`");
-            in_range("", coordinate(joint), column.iter().copied())
-                .map_err(|e| what() + &e)?;
+            in_range("", coordinate(joint), column.iter().copied()).map_err(|e| what() + &e)?;
         }
     }
     distribution(postures, joints).map_err(|e| format!("postures: {e}"))
@@ -290,11 +285,7 @@ fn same(what: &str, found: usize, wanted: usize) -> Result<(), String> {
     if found == wanted { Ok(()) } else { Err(format!("{what}: {found} values, not {wanted}")) }
 }
 
-fn in_range(
-    what: &str,
-    range: Range,
-    values: impl IntoIterator<Item = f64>,
-) -> Result<(), String> {
+fn in_range(what: &str, range: Range, values: impl IntoIterator<Item = f64>) -> Result<(), String> {
     match range.outside(values) {
         Some(value) => Err(format!("{what}: {value} is outside {range}")),
         None => Ok(()),

@@ -83,7 +83,9 @@ impl StandingPlace {
         // Of people it may be singular, but no variance is negative.
         let least = people.symmetric_eigen().eigenvalues.min();
         let is_fine = OVER_STATURE.outside(places).is_none()
-            && [people, movements].iter().all(|m| OVER_STATURE.outside(m.iter().copied()).is_none())
+            && [people, movements]
+                .iter()
+                .all(|m| OVER_STATURE.outside(m.iter().copied()).is_none())
             && self.of_people[0][1] == self.of_people[1][0]
             && self.of_movements[0][1] == self.of_movements[1][0]
             && least >= -1e-6

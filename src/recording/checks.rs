@@ -55,19 +55,28 @@ pub(super) fn sort_segments(segments: &mut [SegmentTrack]) {
 pub(super) fn refuse_impossible(path: &Path, recording: &Recording) -> Result<(), InputError> {
     let refused = |track: &SegmentTrack, frame: usize, what: String| {
         let name = &track.name;
-        Err(InputError::new(path, format!("{name}, frame {frame}: {what}"))
-            .remedy("mend or leave out the frame; positions are in metres once the unit of the file counts"))
+        Err(InputError::new(path, format!("{name}, frame {frame}: {what}")).remedy(
+            "mend or leave out the frame; positions are in metres once the unit of the file counts",
+        ))
     };
     for track in &recording.segments {
         for (frame, place) in track.position.iter().enumerate() {
             if let Some(value) = RECORDED_M.outside(place.iter().copied()) {
-                return refused(track, frame, format!("a place of {value} m is outside {RECORDED_M}"));
+                return refused(
+                    track,
+                    frame,
+                    format!("a place of {value} m is outside {RECORDED_M}"),
+                );
             }
             let Some(before) = frame.checked_sub(1).map(|i| track.position[i]) else { continue };
             let speed = (place - before).norm() * recording.rate_hz;
             if !RECORDED_SPEED_M_S.holds(speed) {
                 let way = (place - before).norm();
-                return refused(track, frame, format!("it is {way:.1} m away from the frame before"));
+                return refused(
+                    track,
+                    frame,
+                    format!("it is {way:.1} m away from the frame before"),
+                );
             }
         }
         let turned = |q: &UnitQuaternion<f64>| q.coords.iter().all(|v| v.is_finite());

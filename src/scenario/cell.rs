@@ -252,8 +252,7 @@ pub(super) fn resolve_obstacle(
         if OBSTACLE_M.outside(values.iter().copied()).is_none() {
             return Ok(());
         }
-        let message =
-            format!("obstacle `{name}`: sizes must be {OBSTACLE_M}, found {values:?}");
+        let message = format!("obstacle `{name}`: sizes must be {OBSTACLE_M}, found {values:?}");
         Err(source.error(at, message).remedy("give whole widths, lengths and radii in metres"))
     };
     let name = match at.get_ref() {

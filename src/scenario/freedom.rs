@@ -365,7 +365,8 @@ pub(super) fn resolve_free(
         }
     }
     if let Some(range) = &file.duration_s {
-        let range = checked_range(source, range, "free.duration_s", [DURATION_S.low, DURATION_S.high])?;
+        let range =
+            checked_range(source, range, "free.duration_s", [DURATION_S.low, DURATION_S.high])?;
         free.all.push((Freedom::Duration, range));
     }
     if let Some(range) = &file.dwell_s {

@@ -4,7 +4,7 @@
 //! message asks. Some are warnings, where the value may be meant. A path is doubted where it is read, a
 //! scenario where it is resolved, so that `plan`, `assess` and `check` see the same.
 
-use crate::files::{InputError, NumericTable};
+use crate::files::{InputError, NumericTable, is_formula};
 use crate::math::Pose;
 use crate::physical::{COORDINATE_M, DURATION_S, SAME_CELL_M};
 use crate::robot::Robot;
@@ -312,6 +312,8 @@ pub(super) fn name_fault(name: &str) -> Option<String> {
         Some("holds a control character, such as a line break".to_owned())
     } else if long > LONGEST_NAME {
         Some(format!("has {long} characters; at most {LONGEST_NAME} are shown anywhere"))
+    } else if is_formula(name) {
+        Some("begins as a formula does, which a spreadsheet would run".to_owned())
     } else {
         None
     }

@@ -70,9 +70,7 @@ impl Source<'_> {
     /// Refuses coordinates that no cell has.
     pub(super) fn refuse_far(&self, key: &str, position_m: &[f64]) -> Result<(), InputError> {
         match COORDINATE_M.outside(position_m.iter().copied()) {
-            Some(value) => {
-                Err(self.question(&Doubt::Millimetres { place: key.to_owned(), value }))
-            }
+            Some(value) => Err(self.question(&Doubt::Millimetres { place: key.to_owned(), value })),
             None => Ok(()),
         }
     }

@@ -112,7 +112,8 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
     };
     let at = file.at_m.get_ref();
     source.refuse_far("worker.at_m", at).map_err(|e| source.at(&file.at_m, e))?;
-    let facing = source.number(&file.facing_deg, "worker.facing_deg", ANGLE_DEG.low, ANGLE_DEG.high)?;
+    let facing =
+        source.number(&file.facing_deg, "worker.facing_deg", ANGLE_DEG.low, ANGLE_DEG.high)?;
     source.doubt(plausible::radians("worker.facing_deg", &[facing]));
     let trunk_supported = file.trunk_supported.as_ref().is_some_and(|s| *s.get_ref());
     if let (true, Stance::Standing { .. }, Some(at)) =

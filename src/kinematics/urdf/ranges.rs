@@ -18,7 +18,8 @@ const METRES: &str = "URDF is in metres: is the file in millimetres?";
 const RADIANS: &str = "URDF is in radians: is the file in degrees?";
 const CHECK: &str = "check the number; URDF is in metres, radians, kilograms and seconds";
 /// How a joint that turns without end is written, and limits from which on they say the same: no degrees.
-const ENDLESS: &str = "is the file in degrees? A joint that turns without end is type=\"continuous\"";
+const ENDLESS: &str =
+    "is the file in degrees? A joint that turns without end is type=\"continuous\"";
 const ENDLESS_RAD: f64 = 1e3;
 
 /// Whether limits say that a joint has none, as files do that stay with `revolute`: the same large number both
@@ -91,7 +92,9 @@ fn is_unlimited(element: &str, name: &str, top: Node) -> bool {
     let limit = named(top, "limit").next();
     let of = |name| limit.and_then(|l| l.attribute(name)?.trim().parse::<f64>().ok());
     match (of("lower"), of("upper")) {
-        (Some(lower), Some(upper)) => top.attribute("type") == Some("revolute") && is_endless(lower, upper),
+        (Some(lower), Some(upper)) => {
+            top.attribute("type") == Some("revolute") && is_endless(lower, upper)
+        }
         _ => false,
     }
 }
