@@ -46,8 +46,11 @@ impl Range {
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Powers of ten instead of rows of zeros.
-        let shown = |v: f64| if v.abs() >= 1e6 { format!("{v:e}") } else { v.to_string() };
+        // Powers of ten instead of rows of zeros, and no more digits than anybody reads.
+        let is_plain = |v: f64| v == 0.0 || (1e-3..1e6).contains(&v.abs());
+        let shown = |v: f64| {
+            if is_plain(v) { ((v * 1e4).round() / 1e4).to_string() } else { format!("{v:e}") }
+        };
         write!(f, "{} to {}", shown(self.low), shown(self.high))?;
         if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
     }
@@ -112,13 +115,15 @@ pub const SHAPE_M: Range = Range::new(0.0, 20.0, "m");
 pub const TURN_RAD: Range = Range::within(4.0 * TAU, "rad");
 /// Limit of a joint that slides: the longest tracks.
 pub const SLIDE_M: Range = Range::within(50.0, "m");
-/// Speed of a joint above which a limit of speed is none: the quickest axes of industrial robots turn at some
-/// 60 rad/s.
-pub const ROBOT_SPEED: Range = Range::new(0.0, 100.0, "rad/s");
+/// Limit of a joint in the file itself: wide enough for degrees and millimetres, which are asked about where a
+/// robot is made of it, and for how some files write a turn without end.
+pub const JOINT_LIMIT: Range = Range::within(1e4, "rad or m");
+/// Speed of a joint: the quickest axes of industrial robots turn at some 60 rad/s.
+pub const ROBOT_SPEED: Range = Range::new(0.0, 100.0, "rad/s or m/s");
 /// Acceleration of a joint that somebody gives: the quickest small arms reach some 1,000 rad/s^2.
 pub const ROBOT_ACCELERATION: Range = Range::new(0.0, 1e4, "rad/s^2");
-/// What files write for "as quick as you like".
-pub const RATE: Range = Range::new(0.0, 1e7, "rad/s or rad/s^2");
+/// Speed and acceleration of a joint in the file itself, for the same reason; below zero is told by its reader.
+pub const RATE: Range = Range::within(1e7, "rad/s or rad/s^2");
 /// What files write for "as strong as you like"; not used.
 pub const EFFORT: Range = Range::new(0.0, 1e12, "N m");
 /// Length of the vector of an axis before it is normalised.
@@ -169,7 +174,9 @@ mod tests {
             STATURE_M.fault("stature", 170.0).as_deref(),
             Some("stature 170 is outside 1.2 to 2.3 m")
         );
-        assert_eq!(RATE.to_string(), "0 to 1e7 rad/s or rad/s^2");
+        assert_eq!(RATE.to_string(), "-1e7 to 1e7 rad/s or rad/s^2");
+        assert_eq!(TURN_RAD.to_string(), "-25.1327 to 25.1327 rad");
+        assert_eq!(POSITIVE.to_string(), "1e-9 to 1e7");
         assert_eq!(SHARE.to_string(), "0 to 1");
     }
 }

@@ -59,8 +59,8 @@ pub fn parse_urdf(path: &Path, text: &str) -> Result<Model, InputError> {
     source.refuse_version()?;
     source.check_macros(&document)?;
     source.check_top_level(robot, &mut warnings)?;
-    source.refuse_impossible(robot)?;
     let plain = source.plain(robot, &mut warnings)?;
+    source.refuse_impossible(robot)?;
     let parsed = urdf_rs::read_from_string(&plain).map_err(|e| {
         InputError::new(path, format!("is not valid URDF: {e}"))
             .remedy("check the file with a URDF validator; xacro files must be expanded first")

@@ -15,9 +15,6 @@ use std::path::{Path, PathBuf};
 /// Stand-ins where a file gives no limit: turning joints (rad), sliding joints (m).
 const STAND_IN_VELOCITY: (f64, f64) = (PI / 2.0, 0.25);
 const STAND_IN_ACCELERATION: (f64, f64) = (PI, 1.0);
-/// Turns of a joint with ends (rad), way of a slide (m) and speed (rad/s or m/s) that no robot arm has.
-const MOST_TURNED: f64 = 8.0 * PI;
-const FASTEST: f64 = 100.0;
 
 /// Something about a robot that is a stand-in or from memory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -335,7 +332,7 @@ fn check_limits(path: &Path, linkage: &Linkage) -> Result<(), InputError> {
         }
         let most = |v: f64| if v.is_finite() { v.abs() } else { 0.0 };
         let farthest = most(lower).max(most(upper));
-        if !j.is_prismatic && farthest > MOST_TURNED {
+        if !j.is_prismatic && !TURN_RAD.holds(farthest) {
             let message = format!(
                 "joint `{name}`: limits {lower} to {upper} rad are {:.0} turns. Are they in degrees?",
                 farthest / (2.0 * PI)
@@ -351,7 +348,7 @@ fn check_limits(path: &Path, linkage: &Linkage) -> Result<(), InputError> {
             );
             return Err(InputError::new(path, message).remedy("give limits in metres"));
         }
-        if j.velocity.is_finite() && j.velocity > FASTEST {
+        if j.velocity.is_finite() && !ROBOT_SPEED.holds(j.velocity) {
             let message = format!(
                 "joint `{name}`: velocity limit {} is faster than any robot. Is it in degrees or \
                  millimetres a second?",

@@ -282,7 +282,7 @@ fn what_contradicts_itself_or_is_far_off_in_a_scenario_is_refused() {
     for (from, to, words) in [
         ("[grip]", "[grip]\nposition_m = [5.0, 0, 0]".to_owned(), "no hand is held so far"),
         ("max_m = [0.80", "max_m = [90.0".to_owned(), "far outside any cell"),
-        ("[start]", limit("velocity_rad_s = 1e308"), "is outside 0 to 100 rad/s"),
+        ("[start]", limit("velocity_rad_s = 1e308"), "is outside 0 to 100 rad/s or m/s"),
         ("[start]", limit("acceleration_rad_s2 = 1e9"), "is outside 0 to 10000 rad/s^2"),
         ("[start]", limit("lower_rad = -100\nupper_rad = 100"), "limit -100 is outside"),
         ("[task]", before("[[path]]\nname = \"mine\"\nvia_m = [[0.4, 0.0, 19.0]]"), "a place 17.7"),

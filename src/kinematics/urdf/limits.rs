@@ -3,7 +3,7 @@
 
 use super::Source;
 use crate::files::InputError;
-use crate::physical::{ROBOT_SPEED, SHAPE_M};
+use crate::physical::SHAPE_M;
 use roxmltree::Node;
 use std::path::Path;
 
@@ -43,13 +43,6 @@ impl Source<'_> {
             Some(0.0) => {
                 warnings
                     .push(format!("joint `{name}`: a {attribute} limit of 0 counts as none given"));
-                Ok(f64::INFINITY)
-            }
-            // What no robot does is a way of saying that there is no limit.
-            Some(value) if !ROBOT_SPEED.holds(value) && attribute == "velocity" => {
-                warnings.push(format!(
-                    "joint `{name}`: a velocity limit of {value} is beyond any robot and counts as none given"
-                ));
                 Ok(f64::INFINITY)
             }
             Some(value) => Ok(value),

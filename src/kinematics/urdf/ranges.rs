@@ -8,8 +8,8 @@ use super::Source;
 use super::plain::{named, owner};
 use crate::files::InputError;
 use crate::physical::{
-    AXIS, COLOUR, EFFORT, GAIN, INERTIA, LINK_KG, LINK_M, LINK_RAD, MESH_SCALE, MIMIC, RATE, Range,
-    SHAPE_M, SLIDE_M, TURN_RAD,
+    AXIS, COLOUR, EFFORT, GAIN, INERTIA, JOINT_LIMIT, LINK_KG, LINK_M, LINK_RAD, MESH_SCALE, MIMIC,
+    RATE, Range, SHAPE_M,
 };
 use roxmltree::Node;
 
@@ -67,12 +67,16 @@ impl Source<'_> {
             for word in text.split_whitespace() {
                 let value = word.parse::<f64>();
                 let what = || format!("{}: {element} {name} = \"{}\"", owner(node), shown(text));
-                // Without any number some exporters leave an attribute empty; what needs one is told later.
                 let Ok(value) = value else {
                     return Err(self
                         .error(node, format!("{} is not a number", what()))
                         .remedy("give numbers, with points and spaces, no commas"));
                 };
+                if !value.is_finite() {
+                    return Err(self
+                        .error(node, format!("{} is no number: it is not finite", what()))
+                        .remedy(remedy));
+                }
                 if !range.holds(value) {
                     return Err(self
                         .error(node, format!("{}: {value} is outside {range}", what()))
@@ -101,8 +105,9 @@ fn is_unlimited(element: &str, name: &str, top: Node) -> bool {
 
 /// What an attribute that URDF defines can hold, and what to do where it does not.
 fn range_of(element: &str, name: &str, top: Node) -> Option<(Range, &'static str)> {
+    // Degrees and millimetres are asked about where a robot is made of the joints.
     let slides = matches!(top.attribute("type"), Some("prismatic"));
-    let position = if slides { (SLIDE_M, METRES) } else { (TURN_RAD, ENDLESS) };
+    let position = (JOINT_LIMIT, if slides { METRES } else { ENDLESS });
     Some(match (element, name) {
         ("axis", "xyz") => (AXIS, "give a direction, for example <axis xyz=\"0 0 1\"/>"),
         ("origin", "xyz") => (LINK_M, METRES),
