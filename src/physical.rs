@@ -40,17 +40,24 @@ impl Range {
 
     /// Why a named number cannot be; none where it lies in the range.
     pub fn fault(&self, what: &str, value: f64) -> Option<String> {
-        (!self.holds(value)).then(|| format!("{what} {value} is outside {self}"))
+        (!self.holds(value)).then(|| format!("{what} {} is outside {self}", shown(value)))
+    }
+}
+
+/// A number as it is shown in errors: powers of ten instead of rows of zeros, and no more digits than anybody
+/// reads.
+pub fn shown(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        ((value * 1e4).round() / 1e4).to_string()
+    } else if value.is_finite() {
+        format!("{value:e}")
+    } else {
+        value.to_string()
     }
 }
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Powers of ten instead of rows of zeros, and no more digits than anybody reads.
-        let is_plain = |v: f64| v == 0.0 || (1e-3..1e6).contains(&v.abs());
-        let shown = |v: f64| {
-            if is_plain(v) { ((v * 1e4).round() / 1e4).to_string() } else { format!("{v:e}") }
-        };
         write!(f, "{} to {}", shown(self.low), shown(self.high))?;
         if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
     }
@@ -173,6 +180,10 @@ mod tests {
         assert_eq!(
             STATURE_M.fault("stature", 170.0).as_deref(),
             Some("stature 170 is outside 1.2 to 2.3 m")
+        );
+        assert_eq!(
+            STATURE_M.fault("stature", 1e308).as_deref(),
+            Some("stature 1e308 is outside 1.2 to 2.3 m")
         );
         assert_eq!(RATE.to_string(), "-1e7 to 1e7 rad/s or rad/s^2");
         assert_eq!(TURN_RAD.to_string(), "-25.1327 to 25.1327 rad");

@@ -27,7 +27,7 @@ use super::noise::speed_squared;
 use crate::math::dense::{Factor, transposed_product};
 use crate::math::pose::rotation_between;
 use crate::math::{Pose, Vec3};
-use crate::physical::{OVER_STATURE, POSITIVE, Range, STATURE_M};
+use crate::physical::{OVER_STATURE, POSITIVE, Range, STATURE_M, shown};
 use nalgebra::{DMatrix, DVector, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -314,10 +314,10 @@ impl Stored {
         ];
         for (what, range, values) in checks {
             if let Some(value) = range.outside(values) {
-                return Err(format!("{what}: {value} is outside {range}"));
+                return Err(format!("{what}: {} is outside {range}", shown(value)));
             }
         }
-        if !((f.reference.norm() - 1.0).abs() < 1e-6) {
+        if !(1.0 - 1e-6..=1.0 + 1e-6).contains(&f.reference.norm()) {
             return Err("features.reference is no unit quaternion".to_owned());
         }
         let is_own = |p: usize| self.origins.iter().any(|o| o.person == p);

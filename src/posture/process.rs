@@ -22,7 +22,7 @@ use super::kernel::{GpHyper, InputScale, Panels, lower_kernel, reduced};
 use crate::math::dense::{Factor, product};
 use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;
-use crate::physical::{FIGURE, JOINT_SPEED_RAD_S, POSITIVE, Range};
+use crate::physical::{FIGURE, JOINT_SPEED_RAD_S, POSITIVE, Range, shown};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -93,7 +93,7 @@ impl Stored {
         ];
         for (what, range, values) in checks {
             if let Some(value) = range.outside(values) {
-                return Err(format!("{what}: {value} is outside {range}"));
+                return Err(format!("{what}: {} is outside {range}", shown(value)));
             }
         }
         let Some(gram) = &self.gram else { return Ok(()) };

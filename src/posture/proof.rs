@@ -14,7 +14,7 @@ use super::process::Process;
 use crate::human::{Body, Coupled, PRESETS};
 use crate::physical::{
     FIGURE, HAND_SPEED_M_S, JOINT_DEG, JOINT_RAD, JOINT_SPEED_RAD_S, OVER_STATURE, PELVIS_LEGS,
-    Range, SHARE, STATURE_M,
+    Range, SHARE, STATURE_M, shown,
 };
 use nalgebra::DMatrix;
 use std::path::Path;
@@ -287,7 +287,7 @@ fn same(what: &str, found: usize, wanted: usize) -> Result<(), String> {
 
 fn in_range(what: &str, range: Range, values: impl IntoIterator<Item = f64>) -> Result<(), String> {
     match range.outside(values) {
-        Some(value) => Err(format!("{what}: {value} is outside {range}")),
+        Some(value) => Err(format!("{what}: {} is outside {range}", shown(value))),
         None => Ok(()),
     }
 }

@@ -5,7 +5,7 @@ use super::{Recording, Remark, SegmentTrack};
 use crate::files::InputError;
 use crate::math::Vec3;
 use crate::math::pose::rotation_between;
-use crate::physical::{RECORDED_M, RECORDED_SPEED_M_S};
+use crate::physical::{RECORDED_M, RECORDED_SPEED_M_S, shown};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -65,7 +65,7 @@ pub(super) fn refuse_impossible(path: &Path, recording: &Recording) -> Result<()
                 return refused(
                     track,
                     frame,
-                    format!("a place of {value} m is outside {RECORDED_M}"),
+                    format!("a place of {} m is outside {RECORDED_M}", shown(value)),
                 );
             }
             let Some(before) = frame.checked_sub(1).map(|i| track.position[i]) else { continue };

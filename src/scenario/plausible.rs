@@ -6,7 +6,7 @@
 
 use crate::files::{InputError, NumericTable, is_formula};
 use crate::math::Pose;
-use crate::physical::{COORDINATE_M, DURATION_S, SAME_CELL_M};
+use crate::physical::{COORDINATE_M, DURATION_S, SAME_CELL_M, shown};
 use crate::robot::Robot;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -217,7 +217,11 @@ impl fmt::Display for Doubt {
                 write!(f, "{place}: {value} rad is {:.1} turns. Is it in degrees?", value / TAU)
             }
             Self::Millimetres { place, value } => {
-                write!(f, "{place}: {value} m is far outside any cell. Is it in millimetres?")
+                write!(
+                    f,
+                    "{place}: {} m is far outside any cell. Is it in millimetres?",
+                    shown(*value)
+                )
             }
             Self::Milliseconds { place, value } => write!(
                 f,

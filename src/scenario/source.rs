@@ -2,7 +2,7 @@
 
 use super::plausible::Doubt;
 use crate::files::InputError;
-use crate::physical::{COORDINATE_M, GRIP_M};
+use crate::physical::{COORDINATE_M, GRIP_M, shown};
 use std::cell::RefCell;
 use std::path::Path;
 use toml::Spanned;
@@ -58,7 +58,7 @@ impl Source<'_> {
             return Ok(value);
         }
         Err(self
-            .error(at, format!("{key} = {value} is outside {low} to {high}"))
+            .error(at, format!("{key} = {} is outside {low} to {high}", shown(value)))
             .remedy("check value and unit: metres, seconds, kilograms; degrees only in keys that end in _deg"))
     }
 
@@ -80,7 +80,10 @@ impl Source<'_> {
         self.refuse_far(key, place_m)?;
         match GRIP_M.outside(place_m.iter().copied()) {
             Some(value) => Err(self
-                .plain(format!("{key} holds {value} m: no hand is held so far from the tool"))
+                .plain(format!(
+                    "{key} holds {} m: no hand is held so far from the tool",
+                    shown(value)
+                ))
                 .remedy(format!("give metres from the TCP, {GRIP_M}"))),
             None => Ok(()),
         }

@@ -132,7 +132,7 @@ fn what_no_person_is_or_does_is_refused_in_a_model_without_a_checksum() {
         ("/joints/3", json!("jL4L3_Q"), "joints[3]: `jL4L3_Q` stands where a body has `jL4L3_Z`"),
         ("/law/weight/0/0", json!(-1.0), "law.weight is not symmetric positive definite"),
         ("/law/weight/0/1", json!(1e308), "law.weight is not symmetric positive definite"),
-        ("/law/noise/factor/0/5", json!(1e9), "law.noise: factor: 1000000000 is outside"),
+        ("/law/noise/factor/0/5", json!(1e9), "law.noise: factor: 1e9 is outside"),
         ("/law/noise/shares/white", json!(0.9), "shares sum to 1"),
         ("/law/attraction/features/mean", json!([]), "features.mean has 0 values, not 6"),
         ("/law/attraction/features/mean", json!([0, 0, 0, 0, 0]), "features.mean has 5 values"),

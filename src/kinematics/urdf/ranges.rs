@@ -9,7 +9,7 @@ use super::plain::{named, owner};
 use crate::files::InputError;
 use crate::physical::{
     AXIS, COLOUR, EFFORT, GAIN, INERTIA, JOINT_LIMIT, LINK_KG, LINK_M, LINK_RAD, MESH_SCALE, MIMIC,
-    RATE, Range, SHAPE_M,
+    RATE, Range, SHAPE_M, shown as number,
 };
 use roxmltree::Node;
 
@@ -79,7 +79,7 @@ impl Source<'_> {
                 }
                 if !range.holds(value) {
                     return Err(self
-                        .error(node, format!("{}: {value} is outside {range}", what()))
+                        .error(node, format!("{}: {} is outside {range}", what(), number(value)))
                         .remedy(remedy));
                 }
             }
