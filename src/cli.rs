@@ -70,7 +70,10 @@ mod watch_desk;
 mod watch_files;
 mod watch_server;
 
-use crate::files::{InputError, Outputs};
+use crate::files::{InputError, Outputs, Seal};
+use crate::planner::RunResult;
+use crate::posture::PostureModel;
+use crate::scenario::Warning;
 use clap::{Parser, Subcommand};
 use progress::Progress;
 use std::process::ExitCode;
@@ -164,6 +167,21 @@ impl Outcome {
 
 /// Exit code after Ctrl-C, SIGTERM or SIGHUP, as shells have it.
 const INTERRUPTED: u8 = 130;
+
+/// Says of files without a checksum that edits of them cannot be seen.
+fn warn_of_unsealed(result: &RunResult) {
+    for warning in result.warnings.iter().filter(|w| matches!(w, Warning::NoChecksum { .. })) {
+        complain!("warning: {}", crate::words::setting::warning(warning));
+    }
+}
+
+/// The same of a posture model.
+fn warn_of_unsealed_model(name: &str, model: &PostureModel) {
+    if model.seal == Seal::Missing {
+        let warning = Warning::NoChecksum { file: name.to_owned() };
+        complain!("warning: {}", crate::words::setting::warning(&warning));
+    }
+}
 
 /// What stops a command, shown to the user.
 #[derive(Debug)]

@@ -80,6 +80,7 @@ pub mod kinematics;
 pub mod math;
 pub mod mesh;
 pub mod path;
+pub mod physical;
 pub mod planner;
 pub mod posture;
 pub mod qp;

@@ -39,6 +39,7 @@ mod person;
 mod pipeline;
 mod prepare;
 mod preset;
+mod proof;
 mod recommend;
 mod refusal;
 mod repetitions;

@@ -35,6 +35,7 @@ mod pair;
 mod population;
 mod primitive;
 mod process;
+mod proof;
 mod rollout;
 mod simulated;
 mod standing;

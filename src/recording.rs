@@ -136,10 +136,13 @@ pub fn read_runs(path: &Path, how: &Reading) -> Result<Vec<Run>, InputError> {
         ("mot" | "sto", _) if of_columns != Some(false) => read_opensim(path, how)?,
         ("csv" | "tsv" | "txt", Some(map)) if map.is_of_columns() => read_poses(path, map, how)?,
         ("c3d" | "trc" | "csv" | "tsv" | "txt", Some(map)) if !map.is_of_columns() => {
-            return read_points(path, &extension, map);
+            let runs = read_points(path, &extension, map)?;
+            runs.iter().try_for_each(|r| checks::refuse_impossible(path, &r.recording))?;
+            return Ok(runs);
         }
         (other, _) => return Err(refusal(path, other, of_columns)),
     };
+    checks::refuse_impossible(path, &recording)?;
     Ok(vec![Run { recording, first_frame: 0, gaps_filled: 0, frames_left_out: 0 }])
 }
 

@@ -109,6 +109,7 @@ pub use size::size_files;
 pub use validation::validation_files;
 pub use watch_page::{Watched, WatchedCheck, WatchedPhase, watch_page, watch_status};
 
+use crate::files::sealed_pretty_json;
 use crate::planner::RunResult;
 use thiserror::Error;
 use view::View;
@@ -222,7 +223,7 @@ pub fn one_page(
     Ok(("one_page.html".to_owned(), one_page::one_page(&view)?.into_bytes()))
 }
 
-/// `result.json` as text.
+/// `result.json` as text, with a checksum over its content.
 pub fn result_json(result: &RunResult) -> Result<String, ReportError> {
-    Ok(serde_json::to_string_pretty(result)? + "\n")
+    Ok(sealed_pretty_json(result)?)
 }

@@ -4,7 +4,7 @@ use super::columns::is_taken;
 use super::file::BatchFile;
 use super::matrix::{Factor, FactorKind, Level, Reader, label, stem, tell_apart};
 use super::places::{Step, leaves};
-use crate::files::InputError;
+use crate::files::{InputError, is_formula};
 use crate::planner::{Preset, load_preset, preset_names};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -130,13 +130,25 @@ impl Reader<'_> {
             remove = names.into_iter().map(str::to_owned).collect();
         }
         let set = leaves(&fields).into_iter().map(|(way, v)| (way.join("."), v.clone())).collect();
+        self.refuse_formula(name, at.clone())?;
         let value = Value::String(name.to_owned());
         Ok(Level { remove, set, ..Level::new(name.to_owned(), value, at) })
+    }
+
+    /// Names of factors and variants stand in tables that spreadsheets open.
+    fn refuse_formula(&self, name: &str, at: Range<usize>) -> Result<(), InputError> {
+        if !is_formula(name) {
+            return Ok(());
+        }
+        let message =
+            format!("the name `{name}` begins as a formula does, which a spreadsheet would run");
+        Err(self.error(at, message).remedy("begin it with a letter or a digit"))
     }
 
     /// Names of factors are columns of the table, among others.
     fn refuse_name(&self, name: &str, at: Range<usize>) -> Result<(), InputError> {
         let own = ["scenario", "planner", "seed"];
+        self.refuse_formula(name, at.clone())?;
         if name == "seed" {
             return Err(self.error(at, "`seed` is not set here").remedy("write seeds = [1, 2]"));
         }

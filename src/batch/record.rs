@@ -2,7 +2,7 @@
 
 use super::columns::{Found, Value, columns};
 use crate::ergonomics::by_person;
-use crate::files::{InputError, sha256_hex};
+use crate::files::{InputError, Seal, sealed_json, sha256_hex, take_seal};
 use crate::planner::{Decision, Evaluated, RunResult, inputs_of};
 use crate::scenario::Scenario;
 use crate::words;
@@ -139,9 +139,9 @@ impl CellRecord {
     /// # Errors
     /// None but of the machine.
     pub fn file(&self) -> Result<(String, Vec<u8>), InputError> {
-        let text = serde_json::to_string(self);
+        let text = sealed_json(self);
         let text = text.map_err(|e| InputError::fault(RECORD_FILE, e.to_string()))?;
-        Ok((RECORD_FILE.to_owned(), (text + "\n").into_bytes()))
+        Ok((RECORD_FILE.to_owned(), text.into_bytes()))
     }
 
     /// Reads the record in a folder; none where there is none, or one of another key or format.
@@ -153,7 +153,13 @@ impl CellRecord {
         if !file.is_file() {
             return Ok(None);
         }
-        let record: Option<Self> = serde_json::from_str(&kept(&file)?).ok();
+        // One that is no longer what was written is made again, like one that is not there.
+        let sealed = |text: &str| {
+            let mut value = serde_json::from_str(text).ok()?;
+            let seal = take_seal(&file, &mut value, "").ok()?;
+            serde_json::from_value(value).ok().filter(|_| seal == Seal::Whole)
+        };
+        let record: Option<Self> = sealed(&kept(&file)?);
         let fits = |r: &Self| {
             let whole = |row: &PathRow| row.values.len() == columns().len();
             r.schema == RECORD_SCHEMA && r.key == key && r.rows.iter().all(whole)

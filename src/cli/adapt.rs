@@ -44,6 +44,7 @@ pub(super) struct Args {
 /// Reads the recordings, adapts the model, and writes it.
 pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let (model, sha256) = load_model(&args.model, Path::new("."))?;
+    super::warn_of_unsealed_model(&args.model, &model);
     if model.side != args.side {
         let message = format!("leads with the {} hand", model.side.name());
         let remedy = "record the worker with that hand leading, or give a model of the other one";

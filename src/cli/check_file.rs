@@ -3,16 +3,18 @@
 use super::check::Explained;
 use super::check_table::table;
 use super::plan::unfinished_words;
-use crate::files::{InputError, parse_toml, read_bytes, read_text};
+use crate::files::{InputError, Seal, parse_toml, read_bytes, read_text};
 use crate::human::{Body, Side};
 use crate::kinematics::{JointKind, read_urdf};
 use crate::planner::{Checkpoint, Status, load_preset, parse_result, read_result};
 use crate::posture::load_model;
 use crate::recording::{MAP_SCHEMA, Map, Reading, Recording, read_map, read_with};
 use crate::robot::{JointTrajectory, PRESETS, Robot};
+use crate::scenario::Warning;
 use crate::shift::read_shift;
 use crate::training::people::{PeopleFile, read_people_file};
 use crate::words::number::percent;
+use crate::words::setting;
 use std::path::Path;
 
 const KNOWN: &str = "known are scenarios, planners, batches, shifts, people and maps (TOML), bodies and robots (URDF), posture models and results \
@@ -202,7 +204,7 @@ fn result(r: &crate::planner::RunResult) -> Explained {
             explained.saying(format!("input {name}: SHA-256 {}…", &hash[..hash.len().min(16)]));
     }
     explained.notes.extend(r.verdict.caveat.map(|c| crate::words::verdict::caveat(c).into_owned()));
-    explained.warnings.extend(r.warnings.iter().map(crate::words::setting::warning));
+    explained.warnings.extend(r.warnings.iter().map(setting::warning));
     explained
 }
 
@@ -255,11 +257,15 @@ fn model(path: &Path) -> Result<Explained, InputError> {
             .push("made from a simulated operator: a demonstration, not your workers".into());
     }
     explained.notes.extend(p.notes.iter().cloned());
+    if model.seal == Seal::Missing {
+        let file = path.display().to_string();
+        explained.warnings.push(setting::warning(&Warning::NoChecksum { file }));
+    }
     Ok(explained)
 }
 
 fn body(body: &Body) -> Explained {
-    Explained::new(format!("a body, `{}`", body.name))
+    let mut explained = Explained::new(format!("a body, `{}`", body.name))
         .saying(format!(
             "{}, stature {} m, mass {} kg",
             body.size.sex, body.size.stature_m, body.size.mass_kg
@@ -270,7 +276,11 @@ fn body(body: &Body) -> Explained {
             body.model.links.len(),
             body.model.joints.len(),
             body.sums.len()
-        ))
+        ));
+    if body.is_other() {
+        explained.warnings.push(setting::warning(&Warning::OtherBody { body: body.name.clone() }));
+    }
+    explained
 }
 
 fn urdf(path: &Path) -> Result<Explained, InputError> {

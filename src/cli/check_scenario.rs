@@ -11,7 +11,7 @@ use crate::planner::{
     read_result,
 };
 use crate::report::cell_figure;
-use crate::scenario::{Scenario, defaults_in_force, read_scenario};
+use crate::scenario::{Scenario, Warning, defaults_in_force, read_scenario};
 use crate::trajectory::TimedPath;
 use crate::words;
 use crate::words::number::percent;
@@ -164,6 +164,8 @@ fn best_path(
             changed.join(", ")
         ));
     }
+    let unsealed = result.warnings.iter().filter(|w| matches!(w, Warning::NoChecksum { .. }));
+    explained.warnings.extend(unsealed.map(crate::words::setting::warning));
     let best = crate::words::verdict::lead(&result).filter(|_| result.verdict.is_decided());
     let Some(best) = best else {
         return Err(InputError::new(place, "is a run without a feasible path")

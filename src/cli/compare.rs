@@ -53,7 +53,9 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
             let message = "is named twice";
             return Err(InputError::new(place, message).remedy("name every run once").into());
         }
-        runs.push((name, Ok(read_result(place)?)));
+        let result = read_result(place)?;
+        super::warn_of_unsealed(&result);
+        runs.push((name, Ok(result)));
     }
     if let Some(against) = &args.against
         && !runs.iter().any(|(n, _)| n == against)

@@ -58,6 +58,7 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
         return Err(InputError::new("--deviation-mm", message).remedy(remedy).into());
     }
     let result = read_result(&args.result)?;
+    super::warn_of_unsealed(&result);
     let robot = robot_of(&result, args)?;
     let chosen = chosen(&result, args)?;
     let Some(path) = &chosen.path else {

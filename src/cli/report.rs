@@ -29,6 +29,7 @@ pub(super) struct Args {
 /// Makes the files again.
 pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure> {
     let result = read_result(&args.result)?;
+    super::warn_of_unsealed(&result);
     let freshness = freshness(&result, &args.result, args.scenario.as_deref())?;
     let out_of_date = out_of_date(&freshness);
     let fault = |e: report::ReportError| InputError::fault("report", e.to_string());

@@ -4,7 +4,7 @@ use super::score::{Args, file};
 use super::score_print::{print_paired, print_text};
 use super::{Failure, Outcome};
 use crate::ergonomics::{PairedDifference, TimeRules, paired_difference};
-use crate::files::{InputError, Outputs};
+use crate::files::{InputError, Outputs, sealed_pretty_json};
 use crate::human::{Body, Side, Stance};
 use crate::recording::{Reading, read_map, read_with};
 use crate::report::{Picked, sheet_files};
@@ -44,7 +44,8 @@ pub(super) fn single(path: &Path, args: &Args, mut outputs: Outputs) -> Result<O
     }
     let setting = setting(args)?;
     let scored = score(path, &setting, args)?;
-    let json = serde_json::to_string_pretty(&scored.summary)
+    let json = sealed_pretty_json(&scored.summary)
+        .map(|text| text.trim_end().to_owned())
         .map_err(|e| InputError::fault("summary.json", e.to_string()))?;
     if let Some(folder) = output {
         outputs.folder(folder, files(&scored, &json, args)?)?;

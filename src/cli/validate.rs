@@ -81,6 +81,9 @@ pub(super) fn run(args: &Args, mut outputs: Outputs) -> Result<Outcome, Failure>
     let file = read_people_file(&args.people)?;
     let body = Body::load(&args.body, Path::new("."))?;
     let model = args.model.as_ref().map(|m| load_model(m, Path::new("."))).transpose()?;
+    if let (Some(name), Some((model, _))) = (&args.model, &model) {
+        super::warn_of_unsealed_model(name, model);
+    }
     let progress = Progress::new();
     progress.tell("reading", 0, file.count());
     let people = read_people(&file)?;

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::Path;
+use toml::de::{DeTable, DeValue};
 
 /// Largest file that is read at all, and largest TOML, bytes: what is larger is something else.
 const LARGEST_FILE: u64 = 2 << 30;
@@ -58,7 +59,7 @@ pub fn parse_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Inp
             .remedy("is it the right file? Scenarios, planners and body sheets are a few kB"));
     }
     let parsed = toml::Deserializer::parse(text).and_then(|d| T::deserialize(Exact(d)));
-    parsed.map_err(|e| {
+    let parsed = parsed.map_err(|e| {
         let message = e.message().to_owned();
         let mut error = InputError::new(path, shortened(&message));
         if let Some(help) = help_for(&message) {
@@ -68,7 +69,40 @@ pub fn parse_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Inp
             Some(span) => error.at(text, span),
             None => error,
         }
-    })
+    })?;
+    refuse_odd_numbers(path, text)?;
+    Ok(parsed)
+}
+
+/// Refuses numbers that TOML allows and nobody means in such a file: `0x10`, `0o7`, `0b1` and `1_0`, of which the
+/// last is more often a slip for `1.0` than ten.
+fn refuse_odd_numbers(path: &Path, text: &str) -> Result<(), InputError> {
+    let Ok(table) = DeTable::parse(text) else { return Ok(()) };
+    let mut values: Vec<&toml::Spanned<DeValue>> = table.get_ref().values().collect();
+    let mut odd: Option<(std::ops::Range<usize>, &str)> = None;
+    while let Some(value) = values.pop() {
+        match value.get_ref() {
+            DeValue::Array(inner) => values.extend(inner.iter()),
+            DeValue::Table(inner) => values.extend(inner.values()),
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                let span = value.span();
+                let written = text.get(span.clone()).unwrap_or_default();
+                let digits = written.trim_start_matches(['+', '-']);
+                let is_odd = written.contains('_')
+                    || ["0x", "0o", "0b"].iter().any(|radix| digits.starts_with(radix));
+                // The first in the file is told.
+                if is_odd && odd.as_ref().is_none_or(|(first, _)| span.start < first.start) {
+                    odd = Some((span, written));
+                }
+            }
+            _ => {}
+        }
+    }
+    let Some((span, written)) = odd else { return Ok(()) };
+    let message = format!("`{written}` is a number as programs write it, and may be a slip");
+    Err(InputError::new(path, message)
+        .remedy("write it with digits and a point only, such as 16 or 1.5")
+        .at(text, span))
 }
 
 /// The first line, without the list of all known keys (the remedy names the nearest).
@@ -106,6 +140,13 @@ fn plain(e: &std::io::Error) -> String {
         std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         _ => e.to_string(),
     }
+}
+
+/// Whether a spreadsheet takes a cell of a table for a formula, which may do anything, and not for a text or a
+/// number.
+pub fn is_formula(cell: &str) -> bool {
+    let cell = cell.trim_start();
+    cell.starts_with(['=', '+', '-', '@']) && cell.parse::<f64>().is_err()
 }
 
 /// SHA-256 of some bytes, in lower-case hexadecimal.
@@ -174,6 +215,38 @@ mod tests {
         assert!(parse("shape = { kind = \"box\", size_m = [1, 2, 3, 4] }").is_err());
     }
 
+    #[test]
+    fn numbers_are_written_with_digits_and_a_point() {
+        #[derive(Debug, serde::Deserialize)]
+        #[expect(dead_code, reason = "only parsed")]
+        struct Cell {
+            name: String,
+            duration_s: f64,
+            vias_m: Vec<[f64; 3]>,
+            seed: u64,
+        }
+        let parse = |duration: &str, via: &str, seed: &str| {
+            let text = format!(
+                "name = \"0x10 1_0\"\nduration_s = {duration}\nvias_m = [[0, 1, {via}]]\nseed = {seed}\n"
+            );
+            parse_toml::<Cell>(Path::new("c.toml"), &text).map_err(|e| (e.to_string(), text, e))
+        };
+        for (duration, via, seed) in [("4.0", "-1e-3", "7"), ("+4", "2", "18446744073709551615")] {
+            parse(duration, via, seed).unwrap();
+        }
+        for (duration, via, seed, odd) in [
+            ("1_0", "1", "1", "1_0"),
+            ("4", "1_0.5", "1", "1_0.5"),
+            ("4", "1", "0x10", "0x10"),
+            ("0o7", "1", "0b1", "0o7"),
+        ] {
+            let (words, text, error) = parse(duration, via, seed).unwrap_err();
+            assert!(words.contains(&format!("`{odd}` is a number")), "{words}");
+            let at = error.labels().unwrap().next().unwrap().offset();
+            assert!(text[at..].starts_with(odd), "{words}");
+        }
+    }
+
     #[cfg(unix)]
     #[test]
     fn pipes_devices_and_folders_are_refused_at_once() {
@@ -181,6 +254,16 @@ mod tests {
         assert!(error.to_string().contains("a pipe or a device"), "{error}");
         let error = read_bytes(Path::new("/dev")).unwrap_err();
         assert!(error.to_string().contains("is a folder"), "{error}");
+    }
+
+    #[test]
+    fn formulas_of_spreadsheets_are_no_names() {
+        for cell in ["=cmd|' /C calc'!A0", "@SUM(1)", "+1+1", "-a", " =1", "-"] {
+            assert!(is_formula(cell), "{cell}");
+        }
+        for cell in ["-0.1", "+2", "a = b", "2-1", "today", "", "<script>"] {
+            assert!(!is_formula(cell), "{cell}");
+        }
     }
 
     #[test]

@@ -1,15 +1,16 @@
 //! A body as the rest of the program uses it: model, sizes, limits, and where its pelvis stands.
 
-use super::generate::{BODY_SCHEMA, BodySheet, generate_with};
-use super::limits::{PostureLimits, SumLimit};
+use super::generate::{BODY_SCHEMA, BodySheet, generate, generate_with};
+use super::limits::{PostureLimits, SumLimit, trunk_limit};
 use super::pelvis::{PELVIS, REST, SEATED, on_moving_pelvis};
 use super::proportions::{BodySize, Proportions, Sex, proportions};
 use super::side::{Coupled, Pelvis, Side};
 use super::workforce::POPULATION;
-use crate::files::{InputError, Memo, parse_toml, read_text, suggest};
+use crate::files::{InputError, Memo, is_formula, parse_toml, read_text, suggest};
 use crate::kinematics::{Linkage, Model, Tip, parse_urdf};
 use crate::math::pose::rotation_from_axes;
 use crate::math::{Pose, Vec3};
+use crate::physical::{HAND_M, JOINT_DEG, JOINT_RAD, LEG_OVER_STATURE, SEAT_TO_HIP_M};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -61,6 +62,8 @@ pub struct Body {
     moving: Model,
     /// Text of URDF and sheet, for hashes.
     source: String,
+    /// Whether both are as the generator writes them.
+    is_generated: bool,
 }
 
 impl Body {
@@ -111,7 +114,10 @@ impl Body {
                 sheet.display()
             )));
         }
-        Self::parse(path, &read_text(path)?, &sheet, &read_text(&sheet)?)
+        let body = Self::parse(path, &read_text(path)?, &sheet, &read_text(&sheet)?)?;
+        let is_generated = generate(&body.name, body.size)
+            .is_ok_and(|made| format!("{}{}", made.urdf, made.sheet) == body.source);
+        Ok(Self { is_generated, ..body })
     }
 
     fn parse(path: &Path, urdf: &str, sheet_path: &Path, sheet: &str) -> Result<Self, InputError> {
@@ -133,21 +139,19 @@ impl Body {
             return Err(InputError::new(sheet_path, message)
                 .remedy("make the body again with this version of ergopath"));
         }
-        let size = parsed.size.check().map_err(|e| InputError::new(sheet_path, e))?;
+        let size = parsed.size.check().map_err(|e| InputError::new(sheet_path, e).remedy(AGAIN))?;
         // It becomes part of the names of files.
         let is_plain = |c: char| c.is_alphanumeric() || "-_. (),+".contains(c);
-        if parsed.name.is_empty() || parsed.name.len() > 80 || !parsed.name.chars().all(is_plain) {
+        if parsed.name.is_empty()
+            || parsed.name.len() > 80
+            || is_formula(&parsed.name)
+            || !parsed.name.chars().all(is_plain)
+        {
             let message = format!("name {:?} is not plain", parsed.name);
             return Err(InputError::new(sheet_path, message)
-                .remedy("use letters, digits, spaces and .,()+-_ only, 80 characters at most"));
+                .remedy("use letters, digits, spaces and .,()+-_ only, a letter or digit first, 80 characters at most"));
         }
-        for length in [parsed.standing_pelvis_height_m, parsed.seat_to_hip_m, parsed.hand_length_m]
-        {
-            if !(0.0..2.0).contains(&length) {
-                let message = format!("a length of {length} m is not plausible");
-                return Err(InputError::new(sheet_path, message));
-            }
-        }
+        prove(&parsed, &model).map_err(|e| InputError::new(sheet_path, e).remedy(AGAIN))?;
         for side in [Side::Right, Side::Left] {
             Linkage::chain(&model, PELVIS, side.grip())
                 .map_err(|e| InputError::new(path, format!("is no ergopath body: {e}")))?;
@@ -172,7 +176,14 @@ impl Body {
             hand_length_m: parsed.hand_length_m,
             sums: parsed.sum_limit,
             source: format!("{urdf}{sheet}"),
+            is_generated: true,
         })
+    }
+
+    /// Whether its files are not what the generator makes of its name and size: somebody, or another version,
+    /// left other figures in them.
+    pub fn is_other(&self) -> bool {
+        !self.is_generated
     }
 
     /// SHA-256 of the two files.
@@ -270,6 +281,62 @@ impl Body {
 
 fn sheet_path(urdf: &Path) -> PathBuf {
     urdf.with_extension("body.toml")
+}
+
+const AGAIN: &str = "check the value, or make the body again: ergopath body --sex f --stature-m 1.65 --mass-kg 65 \
+                     -o FILE.urdf";
+/// How far the masses of the links may be from that of the body together, of it.
+const MASS: f64 = 0.05;
+
+/// Whether sheet and links are of a person of that size.
+fn prove(sheet: &BodySheet, model: &Model) -> Result<(), String> {
+    let stature_m = sheet.size.stature_m;
+    let lengths = [
+        ("hand_length_m", HAND_M, sheet.hand_length_m),
+        ("seat_to_hip_m", SEAT_TO_HIP_M, sheet.seat_to_hip_m),
+        (
+            "standing_pelvis_height_m over stature_m:",
+            LEG_OVER_STATURE,
+            sheet.standing_pelvis_height_m / stature_m,
+        ),
+    ];
+    if let Some(fault) = lengths.iter().find_map(|(key, range, v)| range.fault(key, *v)) {
+        return Err(fault);
+    }
+    for sum in &sheet.sum_limit {
+        let (lower, upper) = (sum.lower_deg, sum.upper_deg);
+        // Upright is zero, and everybody can stand so.
+        if !(JOINT_DEG.holds(lower) && JOINT_DEG.holds(upper) && lower <= 0.0 && upper >= 0.0)
+            || lower >= upper
+        {
+            return Err(format!(
+                "sum_limit `{}`: {lower} to {upper} deg is no range about upright",
+                sum.name
+            ));
+        }
+        let [least, most] = trunk_limit(&sum.name).unwrap_or([JOINT_DEG.low, JOINT_DEG.high]);
+        if lower < least || upper > most {
+            return Err(format!(
+                "sum_limit `{}`: {lower} to {upper} deg is more than {least} to {most}, which no trunk does",
+                sum.name
+            ));
+        }
+    }
+    let mut joints = model.joints.iter().filter(|j| j.lower.is_finite() || j.upper.is_finite());
+    if let Some(joint) =
+        joints.find(|j| JOINT_RAD.outside([j.lower, j.upper]).is_some() || j.lower > j.upper)
+    {
+        let (name, lower, upper) = (&joint.name, joint.lower, joint.upper);
+        return Err(format!(
+            "joint `{name}`: {lower} to {upper} rad is no range of a person's joint"
+        ));
+    }
+    let all: f64 = model.links.iter().map(|l| l.mass_kg).sum();
+    let mass_kg = sheet.size.mass_kg;
+    if (all - mass_kg).abs() > MASS * mass_kg {
+        return Err(format!("mass_kg is {mass_kg}, but its links are {all:.1} kg together"));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -129,6 +129,18 @@ pub(super) fn ranges(joint: &str) -> Ranges {
     }
 }
 
+/// The most of a sum of the trunk that anybody does, deg: the widest ranges of supple young people. Bending
+/// forward and back are of another size, so that an exchange of the two is seen.
+pub(super) fn trunk_limit(name: &str) -> Option<[f64; 2]> {
+    let is = |word: &str| name.contains(word);
+    match () {
+        () if is("flexion") => Some([-140.0, 60.0]),
+        () if is("side bending") => Some([-70.0, 70.0]),
+        () if is("rotation") => Some([-90.0, 90.0]),
+        () => None,
+    }
+}
+
 /// The trunk as a whole: AAOS thoracolumbar totals, deg.
 pub(super) fn trunk_sums() -> Vec<SumLimit> {
     let joints = |axis: &str| -> Vec<String> {

@@ -6,6 +6,7 @@
 //! fractions of body mass after Dumas et al. 2007 as used in public scaling tools for Xsens-like
 //! models.
 
+use crate::physical::{BODY_MASS_KG, STATURE_M};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -44,13 +45,13 @@ impl BodySize {
     /// Checks the plausible range of adults: 1.2 to 2.3 m, 30 to 250 kg.
     pub fn check(self) -> Result<Self, String> {
         let Self { stature_m, mass_kg, .. } = self;
-        if !(1.2..=2.3).contains(&stature_m) {
+        if !STATURE_M.holds(stature_m) {
             return Err(format!(
-                "stature {stature_m} m is outside 1.2 to 2.3 m (is it in metres, not centimetres?)"
+                "stature {stature_m} m is outside {STATURE_M} (is it in metres, not centimetres?)"
             ));
         }
-        if !(30.0..=250.0).contains(&mass_kg) {
-            return Err(format!("mass {mass_kg} kg is outside 30 to 250 kg"));
+        if !BODY_MASS_KG.holds(mass_kg) {
+            return Err(format!("mass {mass_kg} kg is outside {BODY_MASS_KG}"));
         }
         Ok(self)
     }

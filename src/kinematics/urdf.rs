@@ -7,6 +7,7 @@
 
 mod limits;
 mod plain;
+mod ranges;
 
 use super::model::{Joint, JointKind, Link, LinkMesh, Mimic, Model, Shape};
 use crate::files::{InputError, read_text, suggest};
@@ -36,9 +37,6 @@ const KNOWN_TAGS: &[&str] = &[
 /// How far an axis may be from unit length before it is normalised with a warning.
 const AXIS_TOLERANCE: f64 = 1e-4;
 
-/// Farthest origin of a joint, and largest collision shape, that is taken for metres.
-const FARTHEST_M: f64 = 20.0;
-
 /// Reads and checks a URDF file.
 pub fn read_urdf(path: &Path) -> Result<Model, InputError> {
     parse_urdf(path, &read_text(path)?)
@@ -58,9 +56,11 @@ pub fn parse_urdf(path: &Path, text: &str) -> Result<Model, InputError> {
     }
     let source = Source { path, text };
     let mut warnings = Vec::new();
+    source.refuse_version()?;
     source.check_macros(&document)?;
     source.check_top_level(robot, &mut warnings)?;
     let plain = source.plain(robot, &mut warnings)?;
+    source.refuse_impossible(robot)?;
     let parsed = urdf_rs::read_from_string(&plain).map_err(|e| {
         InputError::new(path, format!("is not valid URDF: {e}"))
             .remedy("check the file with a URDF validator; xacro files must be expanded first")
@@ -170,17 +170,18 @@ impl Source<'_> {
             urdf_rs::JointType::Fixed => JointKind::Fixed,
             _ => JointKind::Unsupported,
         };
-        if let Some(far) = origin.translation.vector.iter().find(|v| v.abs() > FARTHEST_M) {
-            return Err(self
-                .error(node, format!("joint `{name}`: its origin is {far} m away from its parent"))
-                .remedy("URDF is in metres: is the file in millimetres?"));
-        }
         let mut axis = Vec3::from(joint.axis.xyz.0);
         let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
         let (mut velocity, mut acceleration) = (f64::INFINITY, f64::INFINITY);
         if matches!(kind, JointKind::Revolute | JointKind::Prismatic) {
             axis = self.unit_axis(node, name, axis, warnings)?;
-            if joint.joint_type != urdf_rs::JointType::Continuous {
+            let (from, to) = (joint.limit.lower, joint.limit.upper);
+            let turns = joint.joint_type == urdf_rs::JointType::Revolute;
+            if turns && ranges::is_endless(from, to) {
+                warnings.push(format!(
+                    "joint `{name}`: limits of {from} to {to} rad count as none: it turns without end"
+                ));
+            } else if joint.joint_type != urdf_rs::JointType::Continuous {
                 (lower, upper) = self.limits(node, name, joint)?;
                 (lower, upper) = self.soft_limits(node, name, (lower, upper), warnings)?;
             }

@@ -91,6 +91,25 @@ impl Cma {
         })
     }
 
+    /// Why one that was read cannot go on; none where it can.
+    pub fn fault(&self) -> Option<&'static str> {
+        let n = self.mean.len();
+        let vectors = [&self.mean, &self.lengths, &self.path_c, &self.path_sigma];
+        let matrices = [&self.covariance, &self.axes];
+        if n == 0
+            || self.population < 4
+            || vectors.iter().any(|v| v.len() != n)
+            || matrices.iter().any(|m| m.shape() != (n, n) || m.len() != n * n)
+        {
+            return Some("its sizes do not agree");
+        }
+        let is_finite = vectors.iter().all(|v| v.iter().all(|x| x.is_finite()))
+            && matrices.iter().all(|m| m.iter().all(|x| x.is_finite()));
+        let is_wide = self.sigma.is_finite() && self.sigma > 0.0 && self.widest > 0.0;
+        let is_long = self.lengths.iter().all(|l| *l > 0.0);
+        (!(is_finite && is_wide && is_long)).then_some("a number of it cannot be")
+    }
+
     /// The same, its standard deviation never above `widest`: where the numbers are white, larger
     /// steps leave what is likely.
     #[must_use]

@@ -2,7 +2,7 @@
 
 use super::preset::Preset;
 use super::tried::SearchState;
-use crate::files::{InputError, read_text, sha256_hex};
+use crate::files::{InputError, Seal, read_text, sealed_json, sha256_hex, take_seal};
 use crate::human::Body;
 use crate::scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -46,17 +46,27 @@ impl Checkpoint {
         let fault = |message: String| {
             InputError::new(path, message).remedy("run without --resume to start afresh")
         };
-        let checkpoint: Self = serde_json::from_str(&read_text(path)?)
-            .map_err(|e| fault(format!("is not an unfinished run: {e}")))?;
+        let broken = |e: serde_json::Error| fault(format!("is not an unfinished run: {e}"));
+        let mut value = serde_json::from_str(&read_text(path)?).map_err(broken)?;
+        let seal = take_seal(path, &mut value, "run without --resume to start afresh")?;
+        let checkpoint: Self = serde_json::from_value(value).map_err(broken)?;
         if checkpoint.schema != SCHEMA {
             return Err(fault(format!("schema is not `{SCHEMA}`")));
+        }
+        // Nobody edits one, and what it holds is drawn and counted on.
+        if seal == Seal::Missing {
+            return Err(fault("carries no checksum".to_owned()));
+        }
+        let faults = checkpoint.searches.iter().filter_map(|(name, s)| Some((name, s.fault()?)));
+        if let Some((name, why)) = faults.into_iter().next() {
+            return Err(fault(format!("its search `{name}` cannot go on: {why}")));
         }
         Ok(checkpoint)
     }
 
     /// As the text of that file.
     pub fn text(&self) -> Result<String, InputError> {
-        serde_json::to_string(self).map_err(|e| InputError::new("unfinished run", e.to_string()))
+        sealed_json(self).map_err(|e| InputError::fault("unfinished run", e.to_string()))
     }
 
     /// The searches, if they are those of the same run.

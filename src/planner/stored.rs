@@ -1,10 +1,13 @@
 //! A finished run read back from its `result.json`, and whether its inputs are still the same.
 
+use super::proof::prove;
 use super::request::inputs_of;
 use super::result::{RESULT_SCHEMA, RunResult};
-use crate::files::{InputError, read_bytes, read_text, refuse_incomplete, sha256_hex};
+use crate::files::{
+    InputError, Seal, read_bytes, read_text, refuse_incomplete, sha256_hex, take_seal,
+};
 use crate::robot::JointTrajectory;
-use crate::scenario::read_scenario;
+use crate::scenario::{Warning, read_scenario};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -64,15 +67,15 @@ pub fn parse_result(path: &Path, text: &str) -> Result<RunResult, InputError> {
             .remedy("make the run again with this program, or read it with the one that wrote it")
     };
     let mut result: RunResult = serde_json::from_str(text).map_err(incomplete)?;
-    for c in &mut result.candidates {
-        let Some(along) = c.path.as_mut() else { continue };
-        let joints = along.robot_joints.len();
-        if let Some(row) = along.robot_q.iter().find(|q| q.len() != joints) {
-            let (id, n) = (&c.id, row.len());
-            let message =
-                format!("path `{id}` has a robot posture of {n} values for {joints} joints");
-            return Err(InputError::new(path, message).remedy("make the run again"));
-        }
+    let mut value: serde_json::Value = serde_json::from_str(text).map_err(broken)?;
+    let again = "make the run again";
+    let seal = take_seal(path, &mut value, again)?;
+    prove(&result, &value).map_err(|e| {
+        InputError::new(path, format!("holds what no run finds: {e}")).remedy(again)
+    })?;
+    if seal == Seal::Missing {
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        result.warnings.push(Warning::NoChecksum { file });
     }
     for path in result.candidates.iter_mut().filter_map(|c| c.path.as_mut()) {
         if path.robot_q.len() == path.time_s.len() && !path.robot_q.is_empty() {

@@ -48,6 +48,16 @@ pub struct SearchState {
 }
 
 impl SearchState {
+    /// Why it cannot go on; none where it can.
+    pub(super) fn fault(&self) -> Option<&'static str> {
+        let n = self.cma.mean().len();
+        if let Some(fault) = self.cma.fault() {
+            return Some(fault);
+        }
+        let is_whole = |t: &Tried| t.x.len() == n && t.x.iter().all(|x| x.is_finite());
+        (!self.tried.iter().all(is_whole)).then_some("a point that it tried is not whole")
+    }
+
     /// The centre of the last generation, as a point.
     pub(super) fn centre(&self) -> Vec<f64> {
         self.cma.mean().to_vec()

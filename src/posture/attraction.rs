@@ -28,6 +28,7 @@ use crate::math::dense::{Factor, transposed_product};
 use crate::math::pose::rotation_between;
 use crate::math::simd::{exp, wide};
 use crate::math::{Pose, Vec3};
+use crate::physical::{OVER_STATURE, POSITIVE, Range, STATURE_M, shown};
 use nalgebra::{DMatrix, DVector, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -40,6 +41,8 @@ const ONE_ORIENTATION_RAD: f64 = 0.25;
 const ALONG: usize = 4;
 /// Length-scale of neighbouring places over that of the regression.
 const NEAR: f64 = 0.3;
+/// What a standardised feature of a hand that somebody held somewhere can be.
+const STANDARDISED: Range = Range { low: -1e3, high: 1e3, unit: "" };
 /// Smallest spread of a feature (m): directions in which the hand hardly moved are not blown up.
 const SMALLEST_SPREAD_M: f64 = 0.02;
 
@@ -125,7 +128,7 @@ pub enum Pull {
 
 /// Kernel regression of the posture on the hand pose, and the pull.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(from = "Stored", into = "Stored")]
+#[serde(try_from = "Stored", into = "Stored")]
 pub struct Attraction {
     pull: Pull,
     length_scale: f64,
@@ -261,8 +264,10 @@ struct Stored {
     postures_rad: DMatrix<f64>,
 }
 
-impl From<Stored> for Attraction {
-    fn from(s: Stored) -> Self {
+impl TryFrom<Stored> for Attraction {
+    type Error = String;
+    fn try_from(s: Stored) -> Result<Self, String> {
+        s.prove().map_err(|e| format!("attraction: {e}"))?;
         let of_all = Self::assemble(
             s.pull,
             s.length_scale,
@@ -271,7 +276,60 @@ impl From<Stored> for Attraction {
             (s.inputs, s.origins),
             s.postures_rad,
         );
-        Self { person: s.person, ..of_all }
+        if of_all.factor.is_none() {
+            return Err("attraction: its kernel is not positive definite".to_owned());
+        }
+        Ok(Self { person: s.person, ..of_all })
+    }
+}
+
+impl Stored {
+    /// Whether it can be taken apart: sizes agree, and every number is one that it can be.
+    fn prove(&self) -> Result<(), String> {
+        let count = self.inputs.len();
+        let same = |what: &str, found: usize, wanted: usize| {
+            if found == wanted {
+                return Ok(());
+            }
+            Err(format!("{what} has {found} values, not {wanted}"))
+        };
+        if count == 0 {
+            return Err("has no inputs".to_owned());
+        }
+        same("postures_rad", self.postures_rad.nrows(), count)?;
+        let entries = self.postures_rad.nrows().checked_mul(self.postures_rad.ncols());
+        same("postures_rad", self.postures_rad.len(), entries.unwrap_or_default())?;
+        if !self.origins.is_empty() {
+            same("origins", self.origins.len(), count)?;
+        }
+        let f = &self.features;
+        same("features.mean", f.mean.len(), 6)?;
+        same("features.spread", f.spread.len(), 6)?;
+        let checks: [(&str, Range, Vec<f64>); 8] = [
+            ("length_scale", POSITIVE, vec![self.length_scale]),
+            ("noise_variance", POSITIVE, vec![self.noise_variance]),
+            ("features.stature_m", STATURE_M, vec![f.stature_m]),
+            ("features.mean", STANDARDISED, f.mean.clone()),
+            ("features.spread", POSITIVE, f.spread.clone()),
+            ("inputs", STANDARDISED, self.inputs.iter().flatten().copied().collect()),
+            ("bend.from", OVER_STATURE, self.bend.iter().map(|b| b.from).collect()),
+            ("bend.per", POSITIVE, self.bend.iter().map(|b| b.per).collect()),
+        ];
+        for (what, range, values) in checks {
+            if let Some(value) = range.outside(values) {
+                return Err(format!("{what}: {} is outside {range}", shown(value)));
+            }
+        }
+        if !(1.0 - 1e-6..=1.0 + 1e-6).contains(&f.reference.norm()) {
+            return Err("features.reference is no unit quaternion".to_owned());
+        }
+        let is_own = |p: usize| self.origins.iter().any(|o| o.person == p);
+        match self.person {
+            Some(person) if !is_own(person) => {
+                Err(format!("person {person} has no postures among them"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -439,6 +497,16 @@ impl Attraction {
     /// What the pull goes by.
     pub fn pull(&self) -> Pull {
         self.pull
+    }
+
+    /// Number of joints, n.
+    pub(super) fn dof(&self) -> usize {
+        self.postures.ncols()
+    }
+
+    /// The training postures, N x n, rad.
+    pub(super) fn postures(&self) -> &DMatrix<f64> {
+        &self.postures
     }
 
     /// Adds to `out` (n, rad) what the pull does to a posture `q` while the hand goes from where `a` is

@@ -6,6 +6,7 @@ use super::lowness::Lowness;
 use super::modes::Modes;
 use super::population::Population;
 use super::standing::StandingPlace;
+use crate::files::Seal;
 use crate::human::{BodySize, Side};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -282,6 +283,9 @@ pub struct PostureModel {
     pub quality: Vec<MethodQuality>,
     /// Where it comes from.
     pub provenance: Provenance,
+    /// Whether its file can say that nobody changed it.
+    #[serde(skip)]
+    pub seal: Seal,
 }
 
 impl PostureModel {

@@ -22,6 +22,7 @@ use super::kernel::{GpHyper, InputScale, Panels, lower_kernel, reduced};
 use crate::math::dense::{Factor, product};
 use crate::math::simd::{sin_cos, wide};
 use crate::math::stream::normals;
+use crate::physical::{FIGURE, JOINT_SPEED_RAD_S, POSITIVE, Range, shown};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -74,7 +75,31 @@ impl TryFrom<Stored> for Process {
         if !fits {
             return Err("the sizes of a process do not agree".to_owned());
         }
+        s.prove().map_err(|e| format!("process: {e}"))?;
         Ok(Self::assemble(s.hyper, s.scale, s.outputs, s.centres, s.coefficients_rad_s, s.gram))
+    }
+}
+
+impl Stored {
+    /// Whether every number is one that it can be, and the gram matrix one.
+    fn prove(&self) -> Result<(), String> {
+        let h = &self.hyper;
+        let checks: [(&str, Range, Vec<f64>); 5] = [
+            ("hyper", POSITIVE, vec![h.length_posture, h.length_velocity, h.noise_ratio]),
+            ("scale.mean", JOINT_SPEED_RAD_S, self.scale.mean.clone()),
+            ("scale.spread", POSITIVE, self.scale.spread.clone()),
+            ("centres", FIGURE, self.centres.iter().copied().collect()),
+            ("coefficients_rad_s", FIGURE, self.coefficients_rad_s.iter().copied().collect()),
+        ];
+        for (what, range, values) in checks {
+            if let Some(value) = range.outside(values) {
+                return Err(format!("{what}: {} is outside {range}", shown(value)));
+            }
+        }
+        let Some(gram) = &self.gram else { return Ok(()) };
+        let is_sound = gram.iter().all(|v| v.is_finite())
+            && (gram - gram.transpose()).amax() <= 1e-9 * gram.amax();
+        if is_sound { Ok(()) } else { Err("gram is not symmetric".to_owned()) }
     }
 }
 
@@ -157,6 +182,11 @@ impl Process {
     /// Whether it rests on inducing centres.
     pub fn is_inducing(&self) -> bool {
         self.gram.is_some()
+    }
+
+    /// Numbers of postures and of task velocities among its inputs.
+    pub(super) fn inputs(&self) -> (usize, usize) {
+        (self.scale.posture_count, self.scale.mean.len() - self.scale.posture_count)
     }
 
     /// The joints whose velocity it predicts.

@@ -12,7 +12,7 @@ use super::law::PostureLaw;
 use super::model::{Method, PostureDistribution, PostureModel, Provenance};
 use super::noise::{Clock, Drift, Noise};
 use super::start::{StartRule, start_postures};
-use crate::files::InputError;
+use crate::files::{InputError, Seal};
 use crate::human::{Body, Coupled, PELVIS_JOINTS, Pelvis, Side, Stance};
 use crate::math::pose::rotation_from_axes;
 use crate::math::stream::{Purpose, normals, stream};
@@ -168,6 +168,7 @@ fn simulated(
             settings: Vec::new(),
             notes: vec!["made up, not measured".to_owned()],
         },
+        seal: Seal::Whole,
     })
 }
 

@@ -18,6 +18,7 @@ use super::coupling::Hold;
 use super::grips::Grips;
 use crate::math::stream::normals;
 use crate::math::{Pose, Vec3};
+use crate::physical::OVER_STATURE;
 use nalgebra::{Matrix2, UnitQuaternion, Vector2};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -78,11 +79,20 @@ impl StandingPlace {
     /// Why a model with it cannot be used; none where it can.
     pub(super) fn fault(&self) -> Option<&'static str> {
         let [people, movements] = [self.of_people, self.of_movements].map(matrix);
-        let numbers = [self.at, self.by_height, self.heights].concat();
-        let is_finite = numbers.iter().chain(people.iter()).all(|x| x.is_finite());
-        let is_fine = is_finite
+        let places = [self.at, self.by_height, self.heights].concat();
+        // Of people it may be singular, but no variance is negative.
+        let least = people.symmetric_eigen().eigenvalues.min();
+        let is_fine = OVER_STATURE.outside(places).is_none()
+            && [people, movements]
+                .iter()
+                .all(|m| OVER_STATURE.outside(m.iter().copied()).is_none())
+            && self.of_people[0][1] == self.of_people[1][0]
+            && self.of_movements[0][1] == self.of_movements[1][0]
+            && least >= -1e-6
             && self.heights[0] <= self.heights[1]
-            && self.farthest > 0.0
+            && (1e-3..1e3).contains(&self.farthest)
+            && self.people > 0
+            && self.movements > 0
             && movements.cholesky().is_some();
         (!is_fine).then_some("the standing place holds a range or covariance that cannot be")
     }

@@ -2,10 +2,13 @@
 
 use super::axes::{SEGMENT_NAMES, zxy_angles};
 use super::{Recording, Remark, SegmentTrack};
+use crate::files::InputError;
 use crate::math::Vec3;
 use crate::math::pose::rotation_between;
+use crate::physical::{RECORDED_M, RECORDED_SPEED_M_S, shown};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Deviation of a quaternion's norm from one beyond which it is refused.
 const NORM_TOLERANCE: f64 = 0.05;
@@ -45,6 +48,43 @@ pub(super) fn make_continuous(rotations: &mut [UnitQuaternion<f64>]) {
 /// Brings the tracks into the documented order.
 pub(super) fn sort_segments(segments: &mut [SegmentTrack]) {
     segments.sort_by_key(|s| SEGMENT_NAMES.iter().position(|n| *n == s.name));
+}
+
+/// Refuses places where no recorded person is, and ways between two frames that no body goes: what is left after
+/// a broken number.
+pub(super) fn refuse_impossible(path: &Path, recording: &Recording) -> Result<(), InputError> {
+    let refused = |track: &SegmentTrack, frame: usize, what: String| {
+        let name = &track.name;
+        Err(InputError::new(path, format!("{name}, frame {frame}: {what}")).remedy(
+            "mend or leave out the frame; positions are in metres once the unit of the file counts",
+        ))
+    };
+    for track in &recording.segments {
+        for (frame, place) in track.position.iter().enumerate() {
+            if let Some(value) = RECORDED_M.outside(place.iter().copied()) {
+                return refused(
+                    track,
+                    frame,
+                    format!("a place of {} m is outside {RECORDED_M}", shown(value)),
+                );
+            }
+            let Some(before) = frame.checked_sub(1).map(|i| track.position[i]) else { continue };
+            let speed = (place - before).norm() * recording.rate_hz;
+            if !RECORDED_SPEED_M_S.holds(speed) {
+                let way = (place - before).norm();
+                return refused(
+                    track,
+                    frame,
+                    format!("it is {way:.1} m away from the frame before"),
+                );
+            }
+        }
+        let turned = |q: &UnitQuaternion<f64>| q.coords.iter().all(|v| v.is_finite());
+        if let Some(frame) = track.rotation.iter().position(|q| !turned(q)) {
+            return refused(track, frame, "its orientation is no number".to_owned());
+        }
+    }
+    Ok(())
 }
 
 /// Adds notes on jumps and on elbows that bend out of their hinge plane.
@@ -166,6 +206,37 @@ mod tests {
         let mut rotations = [q, flipped, q, flipped];
         make_continuous(&mut rotations);
         assert!(rotations.iter().all(|r| r.coords.dot(&q.coords) > 0.99));
+    }
+
+    #[test]
+    fn a_broken_number_in_one_frame_is_refused() {
+        let of = |position: Vec<Vec3>| Recording {
+            source: "r".into(),
+            format: "made up",
+            sha256: String::new(),
+            rate_hz: 100.0,
+            segments: vec![SegmentTrack {
+                name: "Head".into(),
+                rotation: vec![UnitQuaternion::identity(); position.len()],
+                position,
+            }],
+            segment_lengths_m: Vec::new(),
+            remarks: Vec::new(),
+        };
+        let still = vec![Vec3::new(0.0, 0.0, 1.6); 5];
+        let check = |r: &Recording| refuse_impossible(Path::new("r.mvnx"), r);
+        check(&of(still.clone())).unwrap();
+        for (value, words) in [
+            (1e308, "outside -10000 to 10000 m"),
+            (-1e9, "outside -10000 to 10000 m"),
+            (40.0, "40.0 m away from the frame before"),
+            (f64::NAN, "outside -10000 to 10000 m"),
+        ] {
+            let mut broken = still.clone();
+            broken[3].x = value;
+            let error = check(&of(broken)).unwrap_err().to_string();
+            assert!(error.contains("Head, frame 3") && error.contains(words), "{error}");
+        }
     }
 
     #[test]

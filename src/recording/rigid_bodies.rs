@@ -4,6 +4,7 @@
 //! `<person>_<body>_pose_saved.csv` with columns x, y, z (m) and q0..q3, a quaternion with the scalar last that maps
 //! body axes to the world (z up). Other files are ignored.
 
+use super::checks::refuse_impossible;
 use super::columns::{Angle, OneTable, Tables, record};
 use super::map::{BODY, Map, Origin, PERSON};
 use super::markers::table::{NEEDS_RATE, NEEDS_UNIT};
@@ -33,7 +34,9 @@ pub fn read_rigid_bodies(
         return Err(InputError::new(folder, format!("{rate_hz} is no rate in Hz"))
             .remedy("rates lie between 0 and 10000 frames per second"));
     }
-    read_folder(folder, &Reading { person, ..Reading::default() }, Some(rate_hz))
+    let recording = read_folder(folder, &Reading { person, ..Reading::default() }, Some(rate_hz))?;
+    refuse_impossible(folder, &recording)?;
+    Ok(recording)
 }
 
 /// Reads a folder as a map says, or else as those are that the shipped map tells.

@@ -7,6 +7,7 @@ use super::link_shapes::{AssumedShapes, LinkShapes, MissingMesh};
 use crate::files::{InputError, read_text, sha256_hex, suggest};
 use crate::kinematics::{Linkage, LinkageError, Model, Tip, parse_urdf};
 use crate::math::Pose;
+use crate::physical::{ROBOT_ACCELERATION, ROBOT_SPEED, SLIDE_M, TURN_RAD};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -14,10 +15,6 @@ use std::path::{Path, PathBuf};
 /// Stand-ins where a file gives no limit: turning joints (rad), sliding joints (m).
 const STAND_IN_VELOCITY: (f64, f64) = (PI / 2.0, 0.25);
 const STAND_IN_ACCELERATION: (f64, f64) = (PI, 1.0);
-/// Turns of a joint with ends (rad), way of a slide (m) and speed (rad/s or m/s) that no robot arm has.
-const MOST_TURNED: f64 = 8.0 * PI;
-const FARTHEST_SLIDE_M: f64 = 50.0;
-const FASTEST: f64 = 100.0;
 
 /// Something about a robot that is a stand-in or from memory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -267,6 +264,13 @@ impl Robot {
             let message = format!("joint `{joint}`: {lower} to {upper} is no range");
             return Err(InputError::new(&self.file, message).remedy("give lower < upper"));
         }
+        let is_sliding = self.linkage.joints()[i].is_prismatic;
+        let range = if is_sliding { SLIDE_M } else { TURN_RAD };
+        if let Some(beyond) = range.outside([lower, upper]) {
+            let message = format!("joint `{joint}`: limit {beyond} is outside {range}");
+            return Err(InputError::new(&self.file, message)
+                .remedy("limits are in radians, or in metres for a sliding joint"));
+        }
         self.limits.lower[i] = lower;
         self.limits.upper[i] = upper;
         self.home[i] = self.home[i].clamp(lower, upper);
@@ -303,10 +307,15 @@ impl Robot {
     }
 
     fn positive(&self, joint: &str, what: &str, limit: f64) -> Result<f64, InputError> {
-        if limit > 0.0 && limit.is_finite() {
+        let range = if what == "velocity" { ROBOT_SPEED } else { ROBOT_ACCELERATION };
+        if limit > 0.0 && range.holds(limit) {
             return Ok(limit);
         }
-        let message = format!("joint `{joint}`: {what} limit {limit} is not a positive number");
+        let message = if limit > 0.0 {
+            format!("joint `{joint}`: {what} limit {limit} is outside {range}")
+        } else {
+            format!("joint `{joint}`: {what} limit {limit} is not a positive number")
+        };
         Err(InputError::new(&self.file, message).remedy("give the limit in rad/s or rad/s^2"))
     }
 }
@@ -323,7 +332,7 @@ fn check_limits(path: &Path, linkage: &Linkage) -> Result<(), InputError> {
         }
         let most = |v: f64| if v.is_finite() { v.abs() } else { 0.0 };
         let farthest = most(lower).max(most(upper));
-        if !j.is_prismatic && farthest > MOST_TURNED {
+        if !j.is_prismatic && !TURN_RAD.holds(farthest) {
             let message = format!(
                 "joint `{name}`: limits {lower} to {upper} rad are {:.0} turns. Are they in degrees?",
                 farthest / (2.0 * PI)
@@ -332,14 +341,14 @@ fn check_limits(path: &Path, linkage: &Linkage) -> Result<(), InputError> {
                 "give limits in radians, or type=\"continuous\" for a joint that turns without end",
             ));
         }
-        if j.is_prismatic && farthest > FARTHEST_SLIDE_M {
+        if j.is_prismatic && !SLIDE_M.holds(farthest) {
             let message = format!(
                 "joint `{name}`: limits {lower} to {upper} m are longer than any slide. Are they in \
                  millimetres?"
             );
             return Err(InputError::new(path, message).remedy("give limits in metres"));
         }
-        if j.velocity.is_finite() && j.velocity > FASTEST {
+        if j.velocity.is_finite() && !ROBOT_SPEED.holds(j.velocity) {
             let message = format!(
                 "joint `{name}`: velocity limit {} is faster than any robot. Is it in degrees or \
                  millimetres a second?",

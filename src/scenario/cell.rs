@@ -11,14 +11,13 @@ use crate::files::InputError;
 use crate::math::{Pose, Vec3};
 use crate::mesh::Polytope;
 use crate::path::{Box3, PathLimits};
+use crate::physical::OBSTACLE_M;
 use crate::robot::{Obstacle, Robot};
 use std::sync::Arc;
 use toml::Spanned;
 
 /// Remedy for a name.
 pub(super) const NAME: &str = "use a short name of letters, digits, spaces, `-` and `_`";
-/// Smallest size of an obstacle, m: a wire.
-const SMALLEST_M: f64 = 1e-3;
 
 pub(super) fn resolve_robot(source: &Source, file: &RobotFile) -> Result<Robot, InputError> {
     let mut robot = match (&file.preset, &file.urdf) {
@@ -173,7 +172,9 @@ pub(super) fn resolve_limits(
     }
     if let Some(at) = workspace {
         let WorkspaceFile { min_m, max_m } = at.get_ref();
-        let is_box = (0..3).all(|i| min_m[i] < max_m[i] && max_m[i] - min_m[i] < 100.0);
+        source.refuse_far("workspace.min_m", min_m).map_err(|e| source.at(at, e))?;
+        source.refuse_far("workspace.max_m", max_m).map_err(|e| source.at(at, e))?;
+        let is_box = (0..3).all(|i| min_m[i] < max_m[i]);
         if !is_box {
             let message = format!("workspace: min_m {min_m:?} must be below max_m {max_m:?}");
             return Err(source.error(at, message));
@@ -248,12 +249,10 @@ pub(super) fn resolve_obstacle(
         Ok::<_, InputError>(turn.map_err(|e| source.beside(at, e))?.unwrap_or_default())
     };
     let positive = |values: &[f64], name: &str| {
-        if values.iter().all(|v| (SMALLEST_M..100.0).contains(v)) {
+        if OBSTACLE_M.outside(values.iter().copied()).is_none() {
             return Ok(());
         }
-        let message = format!(
-            "obstacle `{name}`: sizes must be {SMALLEST_M} m or more and below 100 m, found {values:?}"
-        );
+        let message = format!("obstacle `{name}`: sizes must be {OBSTACLE_M}, found {values:?}");
         Err(source.error(at, message).remedy("give whole widths, lengths and radii in metres"))
     };
     let name = match at.get_ref() {

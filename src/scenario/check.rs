@@ -16,10 +16,11 @@ use super::task::Task;
 use super::warning::Warning;
 use super::worker::{Adaptation, Worker, resolve_worker};
 use crate::ergonomics::Profile;
-use crate::files::{InputError, suggest};
+use crate::files::{InputError, Seal, suggest};
 use crate::human::{Pelvis, Stance};
 use crate::math::{Pose, Vec3};
 use crate::path::{Candidate, End, PathLimits, drawn};
+use crate::physical::{DURATION_S, SAME_CELL_M};
 use crate::posture::Hold;
 use crate::robot::{Obstacle, Robot};
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,8 @@ const AXIS_LOOKS: i32 = 20;
 /// Way and turn below which goal and start are one.
 const LEAST_WAY_M: f64 = 1e-3;
 const LEAST_TURN_DEG: f64 = 0.5;
+/// Longest description, characters: some pages.
+const LONGEST_DESCRIPTION: usize = 10_000;
 /// Characters of a name that cannot be used which are shown.
 const SHOWN_OF_NAME: usize = 30;
 
@@ -107,6 +110,10 @@ pub(super) fn resolve(
     let (limits, mut assumed_limits) =
         resolve_limits(source, &file.limits, file.workspace.as_ref())?;
     let person_margin = resolve_person_margin(source, &file.limits, &mut assumed_limits)?;
+    if file.description.chars().count() > LONGEST_DESCRIPTION {
+        let message = format!("description has more than {LONGEST_DESCRIPTION} characters");
+        return Err(source.plain(message).remedy("say in a paragraph what the scenario is about"));
+    }
     if let Some(fault) = name_fault(file.name.get_ref()) {
         return Err(source.error(&file.name, format!("the scenario's name {fault}")).remedy(NAME));
     }
@@ -159,6 +166,14 @@ pub(super) fn resolve(
     }
     let adapted = scenario.worker.adaptations.iter().copied().map(Warning::Adapted);
     scenario.warnings.extend(adapted);
+    if scenario.worker.model.seal == Seal::Missing {
+        let file = file.worker.posture_model.get_ref().clone();
+        scenario.warnings.push(Warning::NoChecksum { file });
+    }
+    let others = scenario.worker.bodies.iter().filter(|b| b.is_other());
+    let others: Vec<Warning> =
+        others.map(|b| Warning::OtherBody { body: b.name.clone() }).collect();
+    scenario.warnings.extend(others);
     Ok(scenario)
 }
 
@@ -284,7 +299,7 @@ fn resolve_duration(
         let doubt = Doubt::Milliseconds { place: "motion.duration_s".to_owned(), value };
         return Err(source.at(given, source.question(&doubt)));
     }
-    let given_s = source.number(given, "motion.duration_s", 0.05, LONGEST_S)?;
+    let given_s = source.number(given, "motion.duration_s", DURATION_S.low, LONGEST_S)?;
     let Some([low, high]) = free.range(Freedom::Duration) else { return Ok(given_s) };
     let taken_s = given_s.clamp(low, high);
     if taken_s.to_bits() != given_s.to_bits() {
@@ -321,6 +336,12 @@ fn resolve_paths(
             (None, Some(via)) => {
                 for point in via {
                     source.refuse_far("path.via_m", point).map_err(|e| source.at(entry, e))?;
+                    let from = |end: &Pose| (Vec3::from(*point) - end.translation.vector).norm();
+                    let value = from(ends[0]).min(from(ends[1]));
+                    if !SAME_CELL_M.holds(value) {
+                        let doubt = Doubt::FarPlace { place: "path.via_m".to_owned(), value };
+                        return Err(source.at(entry, source.question(&doubt)));
+                    }
                 }
                 let via: Vec<Vec3> = via.iter().map(|v| Vec3::from(*v)).collect();
                 let candidate = drawn(&path.name, &via, ends[0], ends[1])

@@ -4,10 +4,11 @@
 use super::check::Scenario;
 use super::file::FreeFile;
 use super::held::Held;
-use super::plausible::{self, Doubt, FARTHEST_MOVE_M, FARTHEST_PLACE_M};
+use super::plausible::{self, Doubt};
 use super::source::Source;
 use crate::files::InputError;
 use crate::math::{Pose, Vec3};
+use crate::physical::{DURATION_S, MOVED_M, SAME_CELL_M};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
@@ -323,7 +324,7 @@ pub(super) fn resolve_free(
         for place in places {
             let pose = held.pose(source, place, key)?;
             let value = (pose.translation.vector - first).norm();
-            if value > FARTHEST_PLACE_M {
+            if !SAME_CELL_M.holds(value) {
                 let doubt = Doubt::FarPlace { place: key.to_owned(), value };
                 return Err(source.at(place, source.question(&doubt)));
             }
@@ -364,11 +365,12 @@ pub(super) fn resolve_free(
         }
     }
     if let Some(range) = &file.duration_s {
-        let range = checked_range(source, range, "free.duration_s", [0.05, 600.0])?;
+        let range =
+            checked_range(source, range, "free.duration_s", [DURATION_S.low, DURATION_S.high])?;
         free.all.push((Freedom::Duration, range));
     }
     if let Some(range) = &file.dwell_s {
-        let range = checked_range(source, range, "free.dwell_s", [0.0, 600.0])?;
+        let range = checked_range(source, range, "free.dwell_s", [0.0, DURATION_S.high])?;
         free.all.push((Freedom::Dwell, range));
     }
     Ok(free)
@@ -417,8 +419,8 @@ fn push_halves<const N: usize>(
     key: &str,
 ) -> Result<(), InputError> {
     for (axis, half) in halves.get_ref().iter().enumerate() {
-        if !(0.0..=FARTHEST_MOVE_M).contains(half) {
-            let message = format!("{key} holds {half}, which is outside 0 to {FARTHEST_MOVE_M} m");
+        if !MOVED_M.holds(*half) {
+            let message = format!("{key} holds {half}, which is outside {MOVED_M}");
             return Err(source.error(halves, message).remedy(
                 "give half the width along x, y and z in metres: how far the place may move",
             ));

@@ -283,7 +283,7 @@ fn own_pose(source: &Source, hand: &HandFile) -> Result<Pose, InputError> {
             .remedy("give position_m in the frame of the TCP, or name the grip"));
     }
     let position = hand.file.position_m.unwrap_or_default();
-    source.refuse_far(&format!("{key}.position_m"), &position)?;
+    source.refuse_off_tool(&format!("{key}.position_m"), &position)?;
     let about =
         About::Said("x_along: out of the palm of a right hand, out of the back of a left one");
     let turn = source.rotation(&Turned::from(hand.file), key, about)?;
@@ -312,12 +312,12 @@ fn named_pose(
         }
         (position, None) => {
             let position = position.unwrap_or_default();
-            source.refuse_far(&format!("{key}.position_m"), &position)?;
+            source.refuse_off_tool(&format!("{key}.position_m"), &position)?;
             Vec3::from(position)
         }
         (None, Some(from)) => {
             source
-                .refuse_far(&format!("{key}.from_tcp_m"), from.get_ref())
+                .refuse_off_tool(&format!("{key}.from_tcp_m"), from.get_ref())
                 .map_err(|e| source.at(from, e))?;
             tool.inverse() * (worker * Vec3::from(*from.get_ref()))
         }

@@ -1,11 +1,11 @@
 //! Obstacles that are meshes from CAD: read, in metres, placed, and in convex parts.
 
 use super::file::{MeshUnits, ObstacleFile};
-use super::plausible::FARTHEST_M;
 use super::source::Source;
 use crate::files::InputError;
 use crate::math::{Pose, Vec3};
 use crate::mesh::{Mesh, MeshFile, Polytope, convex_parts, read_mesh};
+use crate::physical::SHAPE_M;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
@@ -143,7 +143,7 @@ fn rounded(length: f64) -> String {
 }
 
 fn is_plausible(size: &Vec3) -> bool {
-    (SMALLEST_M..=FARTHEST_M).contains(&size.max())
+    (SMALLEST_M..=SHAPE_M.high).contains(&size.max())
 }
 
 /// That the unit is not said, with what each would make of it.

@@ -6,6 +6,7 @@ use super::source::Source;
 use crate::files::InputError;
 use crate::math::Vec3;
 use crate::math::pose::rotation_from_axes;
+use crate::physical::{ANGLE_DEG, DIRECTION};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Least length of a direction.
@@ -183,7 +184,8 @@ impl Source<'_> {
     pub(super) fn direction(&self, at: &Direction, key: &str) -> Result<Vec3, InputError> {
         let given = Vec3::from(*at.get_ref());
         let length = given.norm();
-        if length.is_finite() && length > SHORTEST {
+        let is_sane = DIRECTION.outside(given.iter().copied()).is_none();
+        if is_sane && length > SHORTEST {
             return Ok(given / length);
         }
         let given = at.get_ref();
@@ -221,9 +223,9 @@ impl Source<'_> {
     }
 
     fn angles(&self, rpy: [f64; 3], key: &str) -> Result<UnitQuaternion<f64>, InputError> {
-        if !rpy.iter().all(|v| v.abs() <= 720.0) {
-            let message = format!("{key}.rpy_deg = {rpy:?} is not plausible");
-            return Err(self.plain(message).remedy("angles are in degrees"));
+        if ANGLE_DEG.outside(rpy).is_some() {
+            let message = format!("{key}.rpy_deg = {rpy:?} is outside {ANGLE_DEG}");
+            return Err(self.plain(message).remedy("angles are in degrees, within a turn"));
         }
         self.doubt(plausible::radians(&format!("{key}.rpy_deg"), &rpy));
         let [r, p, y] = rpy.map(f64::to_radians);

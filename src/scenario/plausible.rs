@@ -4,8 +4,9 @@
 //! message asks. Some are warnings, where the value may be meant. A path is doubted where it is read, a
 //! scenario where it is resolved, so that `plan`, `assess` and `check` see the same.
 
-use crate::files::{InputError, NumericTable};
+use crate::files::{InputError, NumericTable, is_formula};
 use crate::math::Pose;
+use crate::physical::{COORDINATE_M, DURATION_S, SAME_CELL_M, shown};
 use crate::robot::Robot;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -13,14 +14,8 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::path::Path;
 
-/// Farthest place that is taken for metres.
-pub(super) const FARTHEST_M: f64 = 20.0;
 /// Longest duration that is taken for seconds.
-pub(super) const LONGEST_S: f64 = 600.0;
-/// How far an equivalent place of `[free]` may be from the first, and how far robot and worker may
-/// be moved, m: what a person and one robot share.
-pub(super) const FARTHEST_PLACE_M: f64 = 3.0;
-pub(super) const FARTHEST_MOVE_M: f64 = 2.0;
+pub(super) const LONGEST_S: f64 = DURATION_S.high;
 /// Load on one hand above which a unit is doubted, kg.
 const HEAVIEST_KG: f64 = 50.0;
 /// Angle of a joint without ends from which it is taken for degrees, rad.
@@ -177,7 +172,8 @@ impl Doubt {
             }
             Self::FarPlace { .. } => {
                 format!(
-                    "places are in metres in the world, at most {FARTHEST_PLACE_M} m from the first"
+                    "places are in metres in the world, at most {} m from the first",
+                    SAME_CELL_M.high
                 )
             }
             Self::Radians { values, .. } => {
@@ -221,7 +217,11 @@ impl fmt::Display for Doubt {
                 write!(f, "{place}: {value} rad is {:.1} turns. Is it in degrees?", value / TAU)
             }
             Self::Millimetres { place, value } => {
-                write!(f, "{place}: {value} m is far outside any cell. Is it in millimetres?")
+                write!(
+                    f,
+                    "{place}: {} m is far outside any cell. Is it in millimetres?",
+                    shown(*value)
+                )
             }
             Self::Milliseconds { place, value } => write!(
                 f,
@@ -316,6 +316,8 @@ pub(super) fn name_fault(name: &str) -> Option<String> {
         Some("holds a control character, such as a line break".to_owned())
     } else if long > LONGEST_NAME {
         Some(format!("has {long} characters; at most {LONGEST_NAME} are shown anywhere"))
+    } else if is_formula(name) {
+        Some("begins as a formula does, which a spreadsheet would run".to_owned())
     } else {
         None
     }
@@ -356,7 +358,7 @@ pub(super) fn of_table(
     }
     for (row, values) in table.rows.iter().enumerate() {
         for c in positions.iter().filter_map(|name| column(name)) {
-            if values[c].abs() > FARTHEST_M {
+            if !COORDINATE_M.holds(values[c]) {
                 return Some(Doubt::Millimetres { place: place(row, c), value: values[c] });
             }
         }
@@ -379,7 +381,7 @@ pub(super) fn of_joint(
     let (lower, upper) = (robot.limits.lower[joint], robot.limits.upper[joint]);
     let beyond = (lower - value).max(value - upper);
     if robot.linkage.joints()[joint].is_prismatic {
-        let is_far = beyond > SLID_BEYOND_M || value.abs() > FARTHEST_M;
+        let is_far = beyond > SLID_BEYOND_M || !COORDINATE_M.holds(value);
         return is_far.then(|| Doubt::Millimetres { place: place(), value });
     }
     if beyond > TAU {

@@ -1,7 +1,8 @@
 //! The text behind a scenario: refusals that show the place, and the values that every part needs.
 
-use super::plausible::{Doubt, FARTHEST_M};
+use super::plausible::Doubt;
 use crate::files::InputError;
+use crate::physical::{COORDINATE_M, GRIP_M, shown};
 use std::cell::RefCell;
 use std::path::Path;
 use toml::Spanned;
@@ -57,7 +58,7 @@ impl Source<'_> {
             return Ok(value);
         }
         Err(self
-            .error(at, format!("{key} = {value} is outside {low} to {high}"))
+            .error(at, format!("{key} = {} is outside {low} to {high}", shown(value)))
             .remedy("check value and unit: metres, seconds, kilograms; degrees only in keys that end in _deg"))
     }
 
@@ -68,10 +69,22 @@ impl Source<'_> {
 
     /// Refuses coordinates that no cell has.
     pub(super) fn refuse_far(&self, key: &str, position_m: &[f64]) -> Result<(), InputError> {
-        match position_m.iter().find(|v| v.is_nan() || v.abs() > FARTHEST_M) {
-            Some(&value) => {
-                Err(self.question(&Doubt::Millimetres { place: key.to_owned(), value }))
-            }
+        match COORDINATE_M.outside(position_m.iter().copied()) {
+            Some(value) => Err(self.question(&Doubt::Millimetres { place: key.to_owned(), value })),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a place of a hand on the tool that no hand reaches from there.
+    pub(super) fn refuse_off_tool(&self, key: &str, place_m: &[f64; 3]) -> Result<(), InputError> {
+        self.refuse_far(key, place_m)?;
+        match GRIP_M.outside(place_m.iter().copied()) {
+            Some(value) => Err(self
+                .plain(format!(
+                    "{key} holds {} m: no hand is held so far from the tool",
+                    shown(value)
+                ))
+                .remedy(format!("give metres from the TCP, {GRIP_M}"))),
             None => Ok(()),
         }
     }

@@ -31,4 +31,14 @@ pub enum Warning {
     Adapted(Adaptation),
     /// The worker looks past the task.
     FacesAway(FacesAway),
+    /// A file of ergopath without its checksum: whether it was edited cannot be seen.
+    NoChecksum {
+        /// Name of the file.
+        file: String,
+    },
+    /// A body file that is not what the program makes of its size.
+    OtherBody {
+        /// Name of the body.
+        body: String,
+    },
 }

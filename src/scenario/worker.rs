@@ -8,6 +8,7 @@ use crate::human::{
     Body, Coupled, Hands, PELVIS_JOINTS, POPULATION, Pelvis, Stance, column_of, column_unit,
     workforce,
 };
+use crate::physical::ANGLE_DEG;
 use crate::posture::{PERSONS, PostureModel, StartRule, Unsuitable, load_model};
 use crate::survey::NeckRule;
 use serde::{Deserialize, Serialize};
@@ -111,7 +112,8 @@ pub(super) fn resolve_worker(source: &Source, file: &WorkerFile) -> Result<Worke
     };
     let at = file.at_m.get_ref();
     source.refuse_far("worker.at_m", at).map_err(|e| source.at(&file.at_m, e))?;
-    let facing = source.number(&file.facing_deg, "worker.facing_deg", -720.0, 720.0)?;
+    let facing =
+        source.number(&file.facing_deg, "worker.facing_deg", ANGLE_DEG.low, ANGLE_DEG.high)?;
     source.doubt(plausible::radians("worker.facing_deg", &[facing]));
     let trunk_supported = file.trunk_supported.as_ref().is_some_and(|s| *s.get_ref());
     if let (true, Stance::Standing { .. }, Some(at)) =

@@ -2,7 +2,7 @@
 
 use super::summary::SCORE_SCHEMA;
 use crate::ergonomics::{PerMethod, ScoringMethod};
-use crate::files::{InputError, read_text};
+use crate::files::{InputError, Seal, read_text, take_seal};
 use crate::human::Side;
 use serde::Deserialize;
 use std::path::Path;
@@ -22,6 +22,8 @@ pub struct StoredScore {
     pub is_sampled: bool,
     /// The sides that were scored.
     pub sides: Vec<StoredSide>,
+    /// Whether its file can say that nobody changed it.
+    pub seal: Seal,
 }
 
 /// One side of it.
@@ -92,6 +94,8 @@ pub fn read_score(place: &Path) -> Result<StoredScore, InputError> {
         InputError::new(&path, message).remedy("score the motion again with this program")
     };
     let file: ScoreFile = serde_json::from_str(&text).map_err(|e| old(&e))?;
+    let mut value = serde_json::from_str(&text).map_err(|e| broken(&e))?;
+    let seal = take_seal(&path, &mut value, "score the motion again")?;
     let is_sampled = file.sides.iter().any(|s| s.over_rollouts.is_some());
     let sides = file.sides.iter().filter_map(|s| {
         let over_rollouts = s.over_rollouts.as_ref();
@@ -111,6 +115,7 @@ pub fn read_score(place: &Path) -> Result<StoredScore, InputError> {
         duration_s,
         is_sampled,
         sides: sides.collect(),
+        seal,
     };
     let is_whole = |s: &StoredSide| {
         ScoringMethod::ALL.into_iter().all(|m| {

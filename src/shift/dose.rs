@@ -279,6 +279,9 @@ impl Shift {
             if t.without_pause {
                 notes.push(ShiftNote::WithoutPause { task });
             }
+            if t.source.is_unsealed() {
+                notes.push(ShiftNote::NoChecksum { task });
+            }
             match &t.source {
                 TaskSource::Motion { score, .. } => {
                     if !score.is_sampled {

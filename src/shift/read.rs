@@ -3,9 +3,10 @@
 
 use super::file::{Order, SHIFT_SCHEMA, ShiftFile, TaskTable};
 use crate::ergonomics::LiftCondition;
-use crate::files::{InputError, parse_toml, read_bytes, read_text, sha256_hex, suggest};
+use crate::files::{InputError, Seal, parse_toml, read_bytes, read_text, sha256_hex, suggest};
 use crate::human::Hands;
 use crate::planner::{CandidateResult, RunResult, read_result, result_file};
+use crate::scenario::Warning;
 use crate::scoring::{StoredScore, StoredSide, read_score};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -100,6 +101,17 @@ impl TaskSource {
         match self {
             Self::Run { result, candidate } => Some((result, result.candidates.get(*candidate)?)),
             Self::Motion { .. } => None,
+        }
+    }
+
+    /// Whether its file cannot say that nobody changed it.
+    pub(super) fn is_unsealed(&self) -> bool {
+        match self {
+            Self::Run { result, .. } => {
+                let unsealed = |w: &Warning| matches!(w, Warning::NoChecksum { .. });
+                result.warnings.iter().any(unsealed)
+            }
+            Self::Motion { score, .. } => score.seal == Seal::Missing,
         }
     }
 }

@@ -279,6 +279,11 @@ pub enum ShiftNote {
         /// The task.
         task: usize,
     },
+    /// The file of its scores carries no checksum, so that edits of it cannot be seen.
+    NoChecksum {
+        /// The task.
+        task: usize,
+    },
     /// The tasks are scored for different hands.
     OtherHands,
     /// Nobody repeats: bands are over single repetitions.

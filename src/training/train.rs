@@ -14,7 +14,7 @@ use super::rollout_check::{LearnedRepetitions, learn_repetitions};
 use super::settings::{PullRule, TrainSettings};
 use super::standing::learn_standing;
 use super::way::{learn_way, rounded};
-use crate::files::InputError;
+use crate::files::{InputError, Seal};
 use crate::math::stats::mean;
 use crate::posture::{Clock, Method, MethodQuality, PostureModel, Provenance};
 use std::collections::BTreeSet;
@@ -92,6 +92,7 @@ pub fn learn(
         standing: learn_standing(dataset),
         quality: Vec::new(),
         provenance,
+        seal: Seal::Whole,
     };
     match &dataset.filled {
         Some(filled) => model.unsure_of(&filled.what, &filled.whole).ok_or_else(singular),

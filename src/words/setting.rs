@@ -189,6 +189,13 @@ pub fn warning(w: &Warning) -> String {
              face it",
             away.off_deg, away.wanted_deg
         ),
+        Warning::NoChecksum { file } => format!(
+            "{file} carries no checksum: edits of its figures since it was written cannot be seen"
+        ),
+        Warning::OtherBody { body } => format!(
+            "body `{body}` is not what `ergopath body` makes of its size: its lengths, masses and limits are those \
+             of its files, as somebody or another version left them"
+        ),
     }
 }
 

@@ -306,6 +306,10 @@ pub fn note(result: &ShiftResult, note: &ShiftNote) -> String {
         ShiftNote::LimitsBroken { task } => {
             format!("{}: the path does not keep all limits; it is scored as it is.", of(task))
         }
+        ShiftNote::NoChecksum { task } => format!(
+            "{}: the file of its scores carries no checksum: edits of its figures cannot be seen.",
+            of(task)
+        ),
         ShiftNote::OtherHands => {
             "The tasks are scored for different hands: RULA is of one side of the body in each.".to_owned()
         }

@@ -158,7 +158,7 @@ fn a_cell_is_known_by_all_that_it_reads() {
     for (name, from, to) in [
         ("bench.toml", "duration_s = 4.0", "duration_s = 4.1"),
         ("tiny.toml", "generations = 2", "generations = 3"),
-        ("operator.json", "\"demo operator (simulated)\"", "\"another operator\""),
+        ("operator.json", "{\"schema\":", "{ \"schema\":"),
         ("own.csv", "4,0.45", "4.5,0.45"),
         ("robot.urdf", "</robot>", "<!-- changed -->\n</robot>"),
         ("batch.toml", "seeds = [1]", "seeds = [2]"),
@@ -342,12 +342,17 @@ fn a_plan_whose_keys_are_no_hashes_is_refused() {
 
 #[test]
 fn a_failed_cell_is_recorded_and_kept() {
-    let rest = "[matrix]\nworker.posture_model = [\"operator.json\", \"strange.json\"]\n";
+    let rest = "[matrix]\nworker.bodies = [[\"female_p50\"], [\"strange.urdf\"]]\n";
     let (room, file) = batch_place(rest);
-    let model = std::fs::read_to_string(room.path().join("operator.json")).unwrap();
-    assert!(model.contains("\"jL5S1_Z\""));
-    std::fs::write(room.path().join("strange.json"), model.replace("\"jL5S1_Z\"", "\"jOther_Z\""))
-        .unwrap();
+    // A body whose joints have other names than those of the posture model.
+    let human = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/human");
+    for ending in ["urdf", "body.toml"] {
+        let text = std::fs::read_to_string(human.join(format!("female_p50.{ending}"))).unwrap();
+        assert!(text.contains("\"jL5S1_Z\""));
+        let text =
+            text.replace("\"jL5S1_Z\"", "\"jOther_Z\"").replace("\"female_p50\"", "\"strange\"");
+        std::fs::write(room.path().join(format!("strange.{ending}")), text).unwrap();
+    }
     let run = batch(&file, "out").assert().code(4);
     let shown = String::from_utf8(run.get_output().stdout.clone()).unwrap();
     assert!(shown.contains("2 cells: 1 with a path, 1 failed"), "{shown}");

@@ -122,3 +122,10 @@ pub fn people_file(names: &[&str], takes: [usize; 2], folder: &Path) -> Option<P
     std::fs::write(&path, text).unwrap();
     Some(path)
 }
+
+/// The text of a file of ours that was edited, without the checksum that no longer fits.
+pub fn unsealed(edited: &serde_json::Value) -> String {
+    let mut edited = edited.clone();
+    edited.as_object_mut().unwrap().remove(ergopath::files::CHECKSUM);
+    edited.to_string()
+}

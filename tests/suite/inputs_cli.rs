@@ -193,7 +193,7 @@ fn a_scenario_with_a_slip_of_the_pen_is_refused_at_its_place() {
     refuse("at_m = [0.0, 0.0]", "at_m = [0.75, 0.0]", "the worker stands inside obstacle `bench`");
     refuse("[0.45, 0.25, 1.25]", "[0.42, -0.35, 0.95]", "the goal is the start");
     let wire = "[[obstacle]]\nname = \"post\"\nshape = \"sphere\"\nposition_m = [2, 0, 1]\nradius_m = 1e-320";
-    refuse(head, &before(wire), "obstacle `post`: sizes must be 0.001 m or more");
+    refuse(head, &before(wire), "obstacle `post`: sizes must be 0.001 to 100 m");
     let twin = "[[obstacle]]\nname = \"bench\"\nshape = \"sphere\"\nposition_m = [2, 0, 1]\nradius_m = 0.1";
     refuse(head, &before(twin), "there are two obstacles named `bench`");
     let limit = "[[robot.limit]]\njoint = \"panda_joint1\"\nvelocity_rad_s = 1";

@@ -51,6 +51,7 @@ mod shift_cli;
 mod shipped;
 mod train_cli;
 mod train_real;
+mod trust;
 mod verdict;
 mod watch_cli;
 mod whole_worker;

@@ -148,7 +148,7 @@ fn bad_values_are_named() {
         "size_m = [0.8, 1.6, 0.72]",
         "size_m = [0.8, -1.6, 0.72]",
         2,
-        &["bench", "0.001 m or more"],
+        &["bench", "sizes must be 0.001 to 100"],
     );
     refused("ergopath/scenario/1", "ergopath/scenario/2", 2, &["schema"]);
     let limits = "speed_m_s = 0.5";

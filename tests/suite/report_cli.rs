@@ -1,6 +1,6 @@
 //! Finished runs: the report made again, with what has changed since.
 
-use crate::common::{assert_refused, ergopath, files, plan, workplace};
+use crate::common::{assert_refused, ergopath, files, plan, unsealed, workplace};
 use predicates::prelude::*;
 use predicates::str::contains;
 
@@ -91,7 +91,8 @@ fn what_is_no_result_is_refused() {
     let ranked = edited["candidates"].as_array_mut().unwrap();
     let with_robot = ranked.iter_mut().find(|c| c["path"]["robot_q"][0].is_array()).unwrap();
     with_robot["path"]["robot_q"][0].as_array_mut().unwrap().pop();
-    refused(&edited.to_string(), "a robot posture of 6 values for 7 joints");
+    refused(&edited.to_string(), "was changed since it was written");
+    refused(&unsealed(&edited), "a robot posture of 6 values for 7 joints");
     assert_refused(ergopath().arg("report").arg(room.path()), "is a folder without result.json");
     assert_refused(ergopath().arg("report").arg("nowhere"), "no such file");
 }

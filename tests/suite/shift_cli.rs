@@ -1,6 +1,6 @@
 //! `ergopath shift` from outside: what tasks come to, what is paired, what is refused.
 
-use crate::common::{assert_refused, ergopath, files, plan, workplace};
+use crate::common::{assert_refused, ergopath, files, plan, unsealed, workplace};
 use crate::schema_cli::{as_json, schema};
 use assert_cmd::Command;
 use predicates::str::contains;
@@ -267,7 +267,7 @@ fn what_contradicts_itself_is_refused_and_nothing_is_written() {
     }
     let place = room.path().join("old");
     std::fs::create_dir(&place).unwrap();
-    std::fs::write(place.join("result.json"), old.to_string()).unwrap();
+    std::fs::write(place.join("result.json"), unsealed(&old)).unwrap();
     let cases = [
         (
             two("share = 0.6", "share = 0.6"),
@@ -320,7 +320,7 @@ fn what_contradicts_itself_is_refused_and_nothing_is_written() {
     // A run without a feasible path has nothing to add.
     let mut edited = json(&room.path().join("low/result.json"));
     edited["verdict"]["outcome"] = "nothing_feasible".into();
-    std::fs::write(place.join("result.json"), edited.to_string()).unwrap();
+    std::fs::write(place.join("result.json"), unsealed(&edited)).unwrap();
     let file = write(&room, &format!("{HEAD}{}", task("a", "old", "share = 0.1")));
     assert_refused(&mut shift(&file, &out), "`old` has no best path");
     // Another body is another worker.
@@ -330,7 +330,12 @@ fn what_contradicts_itself_is_refused_and_nothing_is_written() {
             b["body"] = "male_p95".into();
         }
     }
-    std::fs::write(place.join("result.json"), edited.to_string()).unwrap();
+    edited["setting"]["bodies"][0]["name"] = "male_p95".into();
+    edited["verdict"]["body"] = "male_p95".into();
+    for c in edited["comparisons"].as_array_mut().unwrap() {
+        c["body"] = "male_p95".into();
+    }
+    std::fs::write(place.join("result.json"), unsealed(&edited)).unwrap();
     let text =
         format!("{HEAD}{}{}", task("a", "old", "share = 0.1"), task("b", "high", "share = 0.1"));
     assert_refused(&mut shift(&write(&room, &text), &out), "no body is in all tasks");

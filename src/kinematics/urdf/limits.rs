@@ -1,8 +1,9 @@
 //! Limits of joints and sizes of collision shapes, with what URDF parsers let through: speeds below 0,
 //! accelerations (URDF 1.2), soft limits of a `safety_controller`, radii that are no numbers.
 
-use super::{FARTHEST_M, Source};
+use super::Source;
 use crate::files::InputError;
+use crate::physical::SHAPE_M;
 use roxmltree::Node;
 use std::path::Path;
 
@@ -90,7 +91,7 @@ pub(super) fn check_shapes(path: &Path, robot: &urdf_rs::Robot) -> Result<(), In
                 urdf_rs::Geometry::Box { size } => size.0.to_vec(),
                 urdf_rs::Geometry::Mesh { .. } => Vec::new(),
             };
-            if let Some(size) = sizes.iter().find(|s| !(0.0..=FARTHEST_M).contains(*s)) {
+            if let Some(size) = sizes.iter().find(|s| !SHAPE_M.holds(**s)) {
                 let message =
                     format!("link `{}`: a collision shape has a size of {size} m", link.name);
                 return Err(InputError::new(path, message)

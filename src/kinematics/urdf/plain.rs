@@ -296,7 +296,7 @@ fn only<'a, 'i: 'a>(
 }
 
 /// The link or joint that a node belongs to, as one speaks of it.
-fn owner(node: Node) -> String {
+pub(super) fn owner(node: Node) -> String {
     let is_owner = |n: &Node| matches!(n.tag_name().name(), "link" | "joint");
     let named =
         |n: &Node| is_owner(n) && n.parent_element().is_some_and(|p| p.has_tag_name("robot"));

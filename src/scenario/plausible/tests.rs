@@ -77,11 +77,13 @@ fn degrees_and_millimetres_of_joints_are_told_from_the_limits() {
 
 #[test]
 fn names_that_cannot_be_shown_or_are_taken_are_refused() {
-    for name in ["straight", "s012", "without duration", "a/b", "a\nb", "\u{1b}[31m", "  "] {
+    for name in
+        ["straight", "s012", "without duration", "a/b", "a\nb", "\u{1b}[31m", "  ", "=1+1", "@a"]
+    {
         assert!(path_name_fault(name).is_some(), "{name:?}");
     }
     assert!(path_name_fault(&"x".repeat(10_000)).unwrap().contains("10000"));
-    for name in ["today", "side", "s", "shift 2", "s12b", "vor Umbau"] {
+    for name in ["today", "side", "s", "shift 2", "s12b", "vor Umbau", "-5"] {
         assert_eq!(path_name_fault(name), None, "{name}");
     }
 }
