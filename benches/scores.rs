@@ -8,7 +8,7 @@ use ergopath::ergonomics::{
 use ergopath::human::{Body, Coupled, Side as BodySide, Stance};
 use ergopath::math::stream::{Purpose, stream};
 use ergopath::math::{Rotation, Vec3};
-use ergopath::survey::{HeadDraw, Lens, NeckRule, Surveyor};
+use ergopath::survey::{HeadDraw, Lens, NeckRule, Scorable, Surveyor};
 use nalgebra::DVector;
 use rand::RngExt as _;
 use std::hint::black_box;

@@ -399,7 +399,7 @@ impl Surveyor {
         let arm = |i: usize| {
             let first = t8 + 1 + 4 * i;
             let [girdle, upper, fore, hand] = [0, 1, 2, 3].map(|k| at(first + k));
-            arm_angles(&body, &self.upper.arms[i].pose(girdle.0, [upper, fore, hand]))
+            arm_angles(&body, &self.upper.arms[i].pose(girdle.0, &[upper, fore, hand]))
         };
         let (grip, _) = at(0);
         let sight = Sight::new(&thorax, &head, &grip, neutral.trunk_flex_deg.to_radians());
@@ -477,13 +477,13 @@ fn arm_pose(posed: &PosedSkeleton, pelvis: &Pose, segments: ArmSegments) -> ArmP
         (pose.translation.vector, rotation(&pose))
     };
     let limb = [segments.upper, segments.fore, segments.hand].map(at);
-    segments.pose(at(segments.girdle).0, limb)
+    segments.pose(at(segments.girdle).0, &limb)
 }
 
 impl ArmSegments {
     /// The arm with the inner end of its girdle somewhere, and its limb: upper arm, forearm and hand.
-    fn pose(&self, girdle: Vec3, limb: [(Vec3, Rotation); 3]) -> ArmPose {
-        let [(shoulder, upper_arm), (elbow, forearm), (wrist, hand)] = limb;
+    fn pose(&self, girdle: Vec3, limb: &[(Vec3, Rotation); 3]) -> ArmPose {
+        let [(shoulder, upper_arm), (elbow, forearm), (wrist, hand)] = *limb;
         ArmPose {
             side: match self.side {
                 Side::Right => ScoreSide::Right,

@@ -361,7 +361,11 @@ impl Linkage {
         let t = &self.tips[tip];
         let Some(n) = t.node else { return t.translation.unwrap_or_default() };
         let above = &frames.joints[n];
-        let moved = |by: &Vec3| along(&above.turned, by, &above.origin);
+        // Outside the vectorised loop a fused product would be a call.
+        let moved = |by: &Vec3| {
+            let [x, y, z] = &above.turned;
+            std::array::from_fn(|i| above.origin[i] + x[i] * by.x + y[i] * by.y + z[i] * by.z)
+        };
         vec3(t.translation.as_ref().map_or(above.origin, moved))
     }
 

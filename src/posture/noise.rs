@@ -285,8 +285,7 @@ impl DriftPath {
             || {
                 for (j, rate) in self.rates.iter().enumerate() {
                     let (sine, cosine) = sin_cos(rate * time_s);
-                    let both =
-                        self.cosines.column(j).into_iter().zip(self.sines.column(j).into_iter());
+                    let both = self.cosines.column(j).into_iter().zip(self.sines.column(j));
                     for (sum, (c, s)) in sum.iter_mut().zip(both) {
                         *sum = c.mul_add(cosine - 1.0, s.mul_add(sine, *sum));
                     }
