@@ -56,6 +56,7 @@ pub(super) fn recommend(
 ) -> Recommendations {
     let nothing = Recommendations { tried: 0, repetitions: 0, clear: Vec::new(), standing: None };
     let Some(path) = &prepared.path else { return nothing };
+    // There are two dozen changes for one path: half of what a report of it costs each is enough.
     let count = REPETITIONS.min(environment.preset.rollouts_final.div_ceil(2));
     let robot = environment.workshop.robot_of(&prepared.variant);
     let arm = prepared.arm(&robot, Care::Selection);

@@ -171,8 +171,9 @@ impl StepSolver {
     }
 
     /// The same where the task follows the velocity along a curve: `beyond` (m) is what a velocity brings of it
-    /// that `jacobian`, that of the posture of a number, does not show. One correction, with the same joints at their limits, unless others would
-    /// then leave theirs.
+    /// that `jacobian` does not show. One correction, with the same joints at their limits, unless others would
+    /// then leave theirs. `number` names the posture: asked again under the same one, the Jacobian is taken to be
+    /// the same.
     pub(super) fn solve_curved<'a>(
         &mut self,
         (q, number): (&DVector<f64>, u64),
