@@ -9,13 +9,13 @@ use super::file::Mode;
 use crate::human::Pelvis;
 
 /// Of every cell: search for the robot's postures, small changes that are tried, and what is checked.
-const EACH_S: f64 = 0.8;
+const EACH_S: f64 = 0.28;
 /// Of a step of a repetition of a path that is reported; most of it are changes that are tried.
-const REPORTED_S: f64 = 2.2e-4;
+const REPORTED_S: f64 = 6.2e-5;
 /// Of a step of a repetition in the search.
-const SEARCHED_S: f64 = 2.2e-5;
+const SEARCHED_S: f64 = 1.3e-5;
 /// A model of the whole body against that of one arm.
-const WHOLE_BODY: f64 = 5.0;
+const WHOLE_BODY: f64 = 6.5;
 /// Baselines that search.
 const BASELINES: f64 = 3.0;
 
