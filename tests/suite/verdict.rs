@@ -2,6 +2,7 @@
 
 use crate::common::{ergopath, plan, workplace};
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -65,6 +66,46 @@ fn a_path_scores_the_same_whatever_the_scenario_says_of_the_duration() {
     assert!(short["expected"].as_f64().unwrap() > 1.0);
     assert_eq!(short["by_rollout"], long["by_rollout"]);
     assert_eq!(short["peak_by_rollout"], long["peak_by_rollout"]);
+}
+
+/// The straight path of the shared workplace from rest to rest, in so many seconds.
+fn straight_in(seconds: f64) -> String {
+    let mut text = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n".to_owned();
+    for i in 0..=40 {
+        let s = f64::from(i) / 40.0;
+        let u = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+        let (t, x, y, z) = (s * seconds, 0.42 + 0.03 * u, -0.35 + 0.6 * u, 0.95 + 0.3 * u);
+        let _ = writeln!(text, "{t},{x:.6},{y:.6},{z:.6},0,1,0,0");
+    }
+    text
+}
+
+#[test]
+fn the_same_postures_score_the_same_from_four_seconds_to_ten_minutes() {
+    let (room, scenario) = workplace();
+    // So rarely that no duration changes the points for muscle use.
+    let seldom = [("cycles_per_min = 5", "cycles_per_min = 0.09")];
+    let scenario = edited(&room, &scenario, "seldom.toml", &seldom);
+    let of = |seconds: f64| {
+        let name = format!("in_{seconds}");
+        let path = room.path().join(format!("{name}.csv"));
+        std::fs::write(&path, straight_in(seconds)).unwrap();
+        let folder = room.path().join(&name);
+        let mut command = ergopath();
+        command.arg("assess").arg(&scenario).arg("--path").arg(&path).arg("-o").arg(&folder);
+        command.arg("--planner").arg(room.path().join("tiny.toml")).assert().success();
+        let result = result(&folder);
+        let body = &candidate(&result, &name)["bodies"][0];
+        assert_eq!(body["reach_exceeded"], 0.0);
+        ["rula", "reba"].map(|m| body[m]["expected"].as_f64().unwrap())
+    };
+    let first = of(4.0);
+    for seconds in [20.0, 60.0, 300.0, 600.0] {
+        let other = of(seconds);
+        for (a, b) in first.iter().zip(other) {
+            assert!((a - b).abs() < 0.1, "{seconds} s: {other:?} instead of {first:?}");
+        }
+    }
 }
 
 #[test]
