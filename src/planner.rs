@@ -21,6 +21,8 @@ mod causes;
 mod cell_findings;
 mod cell_look;
 mod cell_sensitivity;
+mod checked;
+mod checklist;
 mod environment;
 mod explain;
 mod filming;
@@ -65,7 +67,8 @@ pub use cell_look::{
     look_at_cell,
 };
 pub use cell_sensitivity::{CellSensitivity, FixedPath, Outcome, Quantity, cell_sensitivity};
-pub use findings::{Figure, Finding, Severity, Subject, Why};
+pub use checked::{CheckState, Checked, Subject, Why};
+pub use findings::{Figure, Finding, Severity};
 pub use layout::{Wanted, lay_out};
 pub use objective::Figures;
 pub use pairing::{Apart, apart};

@@ -4,6 +4,7 @@
 //! fact reads the same everywhere. Nothing here decides anything.
 
 pub mod cell;
+pub mod checklist;
 pub mod decision;
 pub mod finding;
 pub mod hand;

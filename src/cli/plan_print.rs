@@ -178,12 +178,7 @@ fn print_trust(result: &RunResult) {
     let Some(best) = words::verdict::lead(result) else { return };
     say!("\nHow far to trust `{}`", best.id);
     if let Some(path) = &best.path {
-        let broken = path.checks.iter().filter(|c| !c.is_met()).count();
-        let kept = if broken == 0 { "all kept".to_owned() } else { format!("{broken} broken") };
-        say!(
-            "  limits         {} checks on a grid ten times finer than the path's: {kept}",
-            path.checks.len()
-        );
+        say!("  limits         {}", words::checklist::summary(&best.checklist));
         say!("  robot          {}", words::robot::self_clearance(&path.self_clearance));
         say!("  obstacles      {}", words::robot::obstacle_clearance(&path.clearance));
     }

@@ -280,6 +280,7 @@ pub(super) fn rest(searches: &Searches, space: &Space, ids: &[String]) -> Vec<Ca
             bought: Vec::new(),
             objective: (t.repetitions > 0).then_some(t.value),
             bodies: Vec::new(),
+            checklist: Vec::new(),
             path: None,
             poses: Vec::new(),
             ends: None,

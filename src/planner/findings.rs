@@ -1,8 +1,9 @@
 //! What a run finds besides its figures, as facts: what was chosen, what makes the figures doubtful,
 //! what was not checked. How it is said is the business of [`crate::words`].
 
+use super::checked::{Subject, Why};
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
-use crate::robot::{AssumedShapes, NotChecked};
+use crate::robot::AssumedShapes;
 use crate::scenario::{EndMismatch, LowHand};
 use serde::{Deserialize, Serialize};
 
@@ -173,32 +174,6 @@ pub enum Finding {
         /// How far off.
         off: EndMismatch,
     },
-}
-
-/// What could not be checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Subject {
-    /// The robot against the obstacles.
-    Obstacles,
-    /// The robot against the person.
-    Person,
-    /// The robot against itself.
-    Itself,
-    /// The robot's joints along the path.
-    Joints,
-    /// The acceleration of the tool.
-    Acceleration,
-}
-
-/// Why something could not be checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Why {
-    /// For what is known of the robot or its motion.
-    Robot(NotChecked),
-    /// The path has too few rows.
-    TooFewRows,
 }
 
 /// A figure of one body.

@@ -13,9 +13,9 @@ use super::objective::Figures;
 use super::person::{Person, modelled};
 use super::prepare::{Prepared, Workshop};
 use super::recommend::recommend;
-use super::reporting::{bare, reported};
+use super::reporting::{refused, reported};
 use super::request::{PlanError, Request, Stage, inputs_of};
-use super::result::{Decision, Evaluated, RESULT_SCHEMA, RunProvenance, RunResult, SearchSummary};
+use super::result::{Decision, RESULT_SCHEMA, RunProvenance, RunResult, SearchSummary};
 use super::searches::{OURS, Searches, run_all};
 use super::space::Space;
 use super::verdict::{comparisons, lead, verdict};
@@ -125,10 +125,10 @@ fn run(
     let is_assessment = matches!(scope, Scope::Assess);
     let report = reported(&environment, &chosen, (is_assessment, request.keeps_rollouts))?;
     let best = report.best.as_ref();
-    let refused: Vec<&Prepared> =
+    let rejected: Vec<&Prepared> =
         chosen.iter().filter(|f| f.value.is_none()).map(|f| &f.prepared).collect();
     let mut candidates = report.candidates;
-    candidates.extend(refused.iter().map(|p| bare(p, Evaluated::None)));
+    candidates.extend(rejected.iter().map(|p| refused(&environment, p)));
     let ids: Vec<String> = candidates.iter().map(|c| c.id.clone()).collect();
     candidates.extend(rest(&searches, &space, &ids));
     let inputs = inputs(scenario, &lens, best.map(|b| &b.repetitions));

@@ -1,6 +1,7 @@
 //! The figures that are reported.
 
 use super::along::{bend, timing_difference};
+use super::checklist::checklist;
 use super::environment::{Environment, counted};
 use super::filming::film;
 use super::finalists::Finalist;
@@ -70,6 +71,7 @@ pub(super) fn reported<'a>(
         price(&mut result, finalist, straight.as_ref(), &preset.objective);
         let margin = &environment.scenario.person_margin;
         result.mark_if_too_near(finalist.prepared.is_users, margin);
+        result.checklist = checklist(environment.scenario, &finalist.prepared, &result);
         if matches!(result.status, Status::Infeasible { .. }) {
             too_near.push(result);
             continue;
@@ -184,6 +186,13 @@ fn report(
     (result, all)
 }
 
+/// A refused path of the selection, with what it was checked for.
+pub(super) fn refused(environment: &Environment, prepared: &Prepared) -> CandidateResult {
+    let mut result = bare(prepared, Evaluated::None);
+    result.checklist = checklist(environment.scenario, prepared, &result);
+    result
+}
+
 /// A path without scores.
 pub(super) fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult {
     CandidateResult {
@@ -201,6 +210,7 @@ pub(super) fn bare(prepared: &Prepared, evaluated: Evaluated) -> CandidateResult
         bought: Vec::new(),
         objective: None,
         bodies: Vec::new(),
+        checklist: Vec::new(),
         path: None,
         poses: Vec::new(),
         ends: prepared.ends,

@@ -2,6 +2,7 @@
 //!
 //! Every figure of the report is here. Nothing here depends on time, date, threads or folders.
 
+use super::checked::Checked;
 use super::findings::{Figure, Finding};
 use super::preset::Preset;
 use super::refusal::{Hint, RefusedGroup, Status};
@@ -224,6 +225,9 @@ pub struct CandidateResult {
     pub objective: Option<f64>,
     /// Scores of each body.
     pub bodies: Vec<BodyScores>,
+    /// What it was checked for; only for paths of the selection.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub checklist: Vec<Checked>,
     /// The path itself; only for paths of the selection.
     pub path: Option<PathData>,
     /// Pictures of the mean posture; only for paths of the selection.

@@ -3,7 +3,8 @@
 
 use super::along::timing_difference;
 use super::causes::nothing_feasible;
-use super::findings::{Figure, Finding, Severity, Subject, Why};
+use super::checked::{CheckState, Subject, Why};
+use super::findings::{Figure, Finding, Severity};
 use super::refusal::Status;
 use super::result::{
     BodyScores, CandidateResult, Caveat, Comparison, Decision, Difference, Evaluated, Gain,
@@ -13,7 +14,6 @@ use super::space::{ANY_FREEDOM, WITHOUT, held};
 use super::timing::lingering;
 use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
 use crate::path::Family;
-use crate::robot::{NotChecked, ObstacleClearance, SelfClearance};
 use crate::scenario::{Origin, Scenario, TIMING};
 
 /// Share of a path, or of the starts, beyond the training data from which nothing can be decided, and
@@ -221,29 +221,22 @@ impl Known<'_> {
         self.lead.bodies.iter().flat_map(of).collect()
     }
 
-    /// What could not be looked at along the lead.
+    /// What could not be looked at along the lead. Of what too few rows do not tell the acceleration stands
+    /// for all.
     fn not_checked(&self) -> Vec<Finding> {
-        let mut found = Vec::new();
-        let mut tell = |subject, why| found.push(Finding::NotChecked { subject, why });
-        if let Some(path) = &self.lead.path {
-            let no_motion = path.robot_q.is_empty().then_some(NotChecked::NoMotion);
-            if let Some(why) = no_motion {
-                tell(Subject::Joints, Why::Robot(why));
+        let mut found: Vec<Finding> = Vec::new();
+        for check in &self.lead.checklist {
+            let CheckState::NotChecked { why } = check.state else { continue };
+            let is_told = match why {
+                Why::Robot(_) => true,
+                Why::TooFewRows => check.subject == Subject::Acceleration,
+                // Told as out of reach.
+                Why::Refused | Why::NobodyFollows => false,
+            };
+            let finding = Finding::NotChecked { subject: check.subject, why };
+            if is_told && !found.contains(&finding) {
+                found.push(finding);
             }
-            if let ObstacleClearance::NotChecked { why } = path.clearance {
-                tell(Subject::Obstacles, Why::Robot(why));
-            }
-            if let Some(why) = self.scenario.robot.not_checked().or(no_motion) {
-                tell(Subject::Person, Why::Robot(why));
-            }
-            if let SelfClearance::NotChecked { why } = path.self_clearance {
-                tell(Subject::Itself, Why::Robot(why));
-            }
-        }
-        let is_users = |p: &&crate::scenario::UserPath| p.name == self.lead.id;
-        let users = self.scenario.paths.iter().find(is_users);
-        if users.is_some_and(|p| p.path.time_s.len() < FEWEST_ROWS) {
-            tell(Subject::Acceleration, Why::TooFewRows);
         }
         if self.lead.path.as_ref().is_some_and(|p| !p.robot_q.is_empty()) {
             let assumed = self.scenario.robot.assumed_shapes().cloned();
@@ -402,8 +395,6 @@ impl Known<'_> {
     }
 }
 
-/// Rows from which a path's acceleration can be told.
-const FEWEST_ROWS: usize = 4;
 /// Share of repetitions up to which a rare one is not told.
 const SELDOM: f64 = 0.05;
 

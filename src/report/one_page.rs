@@ -148,10 +148,8 @@ fn checked(view: &View) -> Markup {
         h2 { "Checked, and not modelled" }
         ul {
             @if let Some((lead, path)) = lines {
-                @let broken = path.checks.iter().filter(|c| !c.is_met()).count();
                 li {
-                    (path.checks.len()) " limits of the tool's movement: "
-                    @if broken == 0 { "all kept" } @else { (broken) " broken" }
+                    (capital(&words::checklist::summary(&lead.checklist)))
                     @if let Status::Marked { .. } = lead.status { "; the path is over a limit" }
                     "."
                 }

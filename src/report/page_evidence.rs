@@ -7,12 +7,13 @@ use super::view::View;
 use crate::ergonomics::ScoringMethod;
 use crate::path::Check;
 use crate::planner::{
-    BodyScores, CandidateResult, InputOrigin, PathData, PersonClearance, Refusal, Status,
+    BodyScores, CandidateResult, CheckState, Checked, InputOrigin, PathData, PersonClearance,
+    Refusal, Status, Subject,
 };
 use crate::robot::{NotChecked, RobotFacts};
 use crate::scenario::Origin;
 use crate::words;
-use crate::words::number::{change, percent, score, value};
+use crate::words::number::{capital, change, percent, score, value};
 use maud::{Markup, html};
 
 /// Where each input of the scores comes from.
@@ -82,7 +83,7 @@ pub(super) fn verification(view: &View) -> Markup {
         return html! { p { "No path was scored; see the reasons below." } };
     };
     html! {
-        @if let Some(path) = &lead.path { (limits(&lead.id, path)) }
+        @if let Some(path) = &lead.path { (limits(lead, path)) }
         @if let Some(body) = view.scores(lead) {
             h3 { "Simulated repetitions" @if lead.bodies.len() > 1 { " (" (body.body) ")" } }
             (trust(body))
@@ -144,11 +145,18 @@ fn near_people(lead: &CandidateResult, robot: &RobotFacts) -> Markup {
     }
 }
 
-fn limits(id: &str, path: &PathData) -> Markup {
+/// Checks of the tool's movement that were not made: they have no figures.
+fn unmeasured(lead: &CandidateResult) -> impl Iterator<Item = &Checked> {
+    let is_open = |c: &&Checked| matches!(c.state, CheckState::NotChecked { .. });
+    lead.checklist.iter().filter(|c| c.subject < Subject::Joints).filter(is_open)
+}
+
+fn limits(lead: &CandidateResult, path: &PathData) -> Markup {
     html! {
+        p { (capital(&words::checklist::summary(&lead.checklist))) "." }
         div.scroll tabindex="0" role="region" aria-label="Limits" {
             table {
-                caption { "Limits of the tool's movement along path " (id) ", measured on the finished path." }
+                caption { "Limits of the tool's movement along path " (lead.id) ", measured on the finished path." }
                 thead { tr {
                     th scope="col" { "Quantity" }
                     th scope="col" { "Unit" }
@@ -158,7 +166,15 @@ fn limits(id: &str, path: &PathData) -> Markup {
                     th.n scope="col" { "At (s)" }
                     th scope="col" { "Kept" }
                 } }
-                tbody { @for check in &path.checks { (check_row(check)) } }
+                tbody {
+                    @for check in &path.checks { (check_row(check)) }
+                    @for check in unmeasured(lead) {
+                        tr {
+                            th scope="row" { (words::checklist::subject(check.subject)) }
+                            td colspan="6" { strong { (words::checklist::state(check.state)) } }
+                        }
+                    }
+                }
             }
         }
         h3 { "Robot and cell" }

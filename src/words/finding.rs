@@ -1,6 +1,7 @@
 //! Findings in words, a sentence or two each.
 
 use super::cell::{alternative, input};
+use super::checklist;
 use super::number::{capital, percent, score};
 use super::paths::{bought, named};
 use super::refusal;
@@ -83,18 +84,7 @@ pub fn finding(f: &Finding, result: &RunResult) -> String {
 }
 
 fn not_checked(subject: Subject, why: Why) -> String {
-    let subject = match subject {
-        Subject::Obstacles => "collisions of the robot with obstacles",
-        Subject::Person => "the distance between robot and person",
-        Subject::Itself => "collisions of the robot with itself",
-        Subject::Joints => "the robot's joints",
-        Subject::Acceleration => "the acceleration of the tool",
-    };
-    let why = match why {
-        Why::Robot(why) => robot::not_checked(why),
-        Why::TooFewRows => "the file has too few rows".to_owned(),
-    };
-    format!("Not checked: {subject} ({why}).")
+    format!("Not checked: {} ({}).", checklist::subject(subject), checklist::why(why))
 }
 
 fn other_body(body: &str, method: ScoringMethod, figure: Figure, values: [f64; 2]) -> String {
