@@ -19,6 +19,7 @@ mod place;
 mod schema;
 mod seal;
 mod signature;
+mod spreadsheet;
 mod sweep;
 mod table;
 mod text;

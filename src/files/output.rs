@@ -11,6 +11,7 @@ use super::inputs::{is_input, is_same_file};
 use super::marker::STAGING;
 use super::place::{NewFolders, Place, nearest_folder, stage, write_stdout, write_through};
 use super::signature::signature;
+use super::spreadsheet::without_formulas;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -63,7 +64,7 @@ impl Outputs {
         target: &Path,
         files: impl IntoIterator<Item = (String, Vec<u8>)>,
     ) -> Result<(), InputError> {
-        let files = files.into_iter().collect();
+        let files = files.into_iter().map(safe).collect();
         self.folders.push(FolderOutput::new(target, files, false, self.overwrites)?);
         Ok(())
     }
@@ -74,14 +75,15 @@ impl Outputs {
         target: &Path,
         files: impl IntoIterator<Item = (String, Vec<u8>)>,
     ) -> Result<(), InputError> {
-        let files = files.into_iter().collect();
+        let files = files.into_iter().map(safe).collect();
         self.folders.push(FolderOutput::new(target, files, true, self.overwrites)?);
         Ok(())
     }
 
     /// A file that the user named.
     pub fn file(&mut self, path: &Path, bytes: impl Into<Vec<u8>>) -> Result<(), InputError> {
-        self.files.push(FileOutput::new(path, bytes.into(), false)?);
+        let bytes = without_formulas(path, bytes.into());
+        self.files.push(FileOutput::new(path, bytes, false)?);
         Ok(())
     }
 
@@ -173,6 +175,12 @@ impl Outputs {
         }
         Ok(())
     }
+}
+
+/// A file of a folder as it may be written.
+fn safe((name, bytes): (String, Vec<u8>)) -> (String, Vec<u8>) {
+    let bytes = without_formulas(Path::new(&name), bytes);
+    (name, bytes)
 }
 
 impl FileOutput {

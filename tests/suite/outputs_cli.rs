@@ -291,3 +291,26 @@ fn a_run_that_was_killed_while_it_replaced_files_is_told() {
     assert_refused(&mut plan(&room, &scenario, "out"), "which is no file of this folder");
     assert_eq!(fs::read(room.path().join("victim")).unwrap(), b"mine");
 }
+
+#[test]
+fn a_name_from_a_strangers_file_is_no_formula_in_a_table() {
+    let (room, scenario) = workplace();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/robot/panda.urdf");
+    let robot = std::fs::read_to_string(shipped).unwrap();
+    let formula = "=HYPERLINK(0)";
+    let robot = robot.replace("\"panda_joint1\"", &format!("\"{formula}\""));
+    assert!(robot.contains(formula));
+    std::fs::write(room.path().join("robot.urdf"), robot).unwrap();
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    let own = "urdf = \"robot.urdf\"\nbase_link = \"panda_link0\"\ntcp = \"panda_hand_tcp\"";
+    std::fs::write(&scenario, text.replace("preset = \"panda\"", own)).unwrap();
+    plan(&room, &scenario, "out").assert().success();
+    let table = std::fs::read_to_string(room.path().join("out/paths/1.csv")).unwrap();
+    let header = table.lines().next().unwrap();
+    assert!(header.contains(&format!(",'{formula}")), "{header}");
+    for (name, bytes) in files(&room.path().join("out")) {
+        let is_table = name.ends_with(".csv");
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(!is_table || !text.contains(&format!(",{formula}")), "{name}");
+    }
+}
