@@ -12,6 +12,7 @@
 //! families   workstations        demonstrate   what the learner sees of a person
 //! cell       one workstation, body and person: learn, plan, judge
 //! table      gains by family and kind           bootstrap     their intervals, by cells
+//! reliability  predicted against true risk
 //! performers the people at the work of the paper's experiments, for training
 //! ```
 //!
@@ -23,6 +24,7 @@ mod demonstrate;
 mod families;
 mod people;
 mod performers;
+mod reliability;
 mod statistics;
 mod table;
 
@@ -31,6 +33,7 @@ pub use cell::{Cell, Outcome};
 pub use families::{Family, Station, draw};
 pub use people::{Kind, TruePerson};
 pub use performers::performers;
+pub use reliability::ReliabilityBin;
 pub use statistics::Statistics;
 pub use table::{MISJUDGED, OUT_OF_REACH, Row, Table, Weak, table};
 

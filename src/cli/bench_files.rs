@@ -3,7 +3,7 @@
 use super::bench_print::{name, short};
 use crate::ergobench::{Cell, Gain, Row, Table};
 use crate::files::InputError;
-use crate::report::{ForestPanel, ForestRow, forest_plots};
+use crate::report::{ForestPanel, ForestRow, ReliabilityPoint, forest_plots, reliability_curve};
 
 /// Every planner's figures in every cell.
 pub(super) fn cells_csv(cells: &[Cell]) -> Result<Vec<u8>, InputError> {
@@ -19,6 +19,7 @@ pub(super) fn cells_csv(cells: &[Cell]) -> Result<Vec<u8>, InputError> {
         "expected_reba",
         "reach_exceeded",
         "predicted_rula",
+        "predicted_exposure_rula_5",
         "demonstrated_participation_rank",
         "demonstrated_joint_speed_deg_s",
     ];
@@ -41,7 +42,7 @@ pub(super) fn cells_csv(cells: &[Cell]) -> Result<Vec<u8>, InputError> {
                 o.reach_exceeded,
             ];
             row.extend(figures.map(|v| v.to_string()));
-            row.push(number(o.predicted_rula));
+            row.extend([number(o.predicted_rula), number(o.predicted_exposure_rula_5)]);
             row.extend([number(shown.map(|s| s[0])), number(shown.map(|s| s[1]))]);
             rows.push(row);
         }
@@ -127,7 +128,20 @@ pub(super) fn figures(table: &Table) -> Result<Vec<(&'static str, Vec<u8>)>, Inp
         rows: rows(&|r| r.share_of_oracle.as_ref().map(|g| ends(g).map(|v| 100.0 * v)), true),
     };
     let key = "simulated people; dot: mean over cells; bar: 95 % interval by cells";
+    let points: Vec<ReliabilityPoint> = table
+        .reliability
+        .iter()
+        .map(|b| ReliabilityPoint {
+            predicted: b.predicted,
+            observed: ends(&b.truth),
+            paths: b.paths,
+        })
+        .collect();
+    let title = "Time at RULA 5 or more: predicted, and true";
+    let of =
+        "dot: paths of about the same prediction, with their number; bar: 95 % interval by cells";
     Ok(vec![
+        ("reliability.png", reliability_curve(&points, title, of).map_err(fault)?),
         ("gains.png", forest_plots(&panels, key).map_err(fault)?),
         ("oracle_share.png", forest_plots(&[share], key).map_err(fault)?),
     ])

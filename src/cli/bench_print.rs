@@ -83,6 +83,7 @@ fn weaknesses(table: &Table) {
             with_interval(gap)
         );
     }
+    reliability(table);
     let share = 100.0 * all.out_of_reach.unwrap_or(0.0);
     say!(
         "  The hand cannot follow ergopath's path to its end in {share:.1} % of the repetitions.\n  \
@@ -129,6 +130,24 @@ fn weaknesses(table: &Table) {
     let more = table.failures.len().saturating_sub(NAMED);
     if more > 0 {
         say!("  and {more} more, in result.json");
+    }
+}
+
+/// Whether the risk that plans predict is the true one.
+fn reliability(table: &Table) {
+    let percent = |v: f64| format!("{:.0} %", 100.0 * v);
+    for b in &table.reliability {
+        let ends = match (b.truth.low95, b.truth.high95) {
+            (Some(low), Some(high)) => format!(" [{} to {}]", percent(low), percent(high)),
+            _ => String::new(),
+        };
+        say!(
+            "  Time at RULA 5 or more: predicted {}, true {}{ends}; {} paths in {} cells.",
+            percent(b.predicted),
+            percent(b.truth.mean),
+            b.paths,
+            b.truth.cells
+        );
     }
 }
 

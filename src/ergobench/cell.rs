@@ -18,7 +18,7 @@ use crate::math::stream::{Purpose, stream};
 use crate::math::{Pose, Vec3};
 use crate::path;
 use crate::planner::{
-    CandidateResult, Decision, Evaluated, PlanError, Request, RunResult, Stage, Status,
+    BodyScores, CandidateResult, Decision, Evaluated, PlanError, Request, RunResult, Stage, Status,
     judge_truly, plan, plan_knowing,
 };
 use crate::posture::{Method, Provenance, save_model};
@@ -55,9 +55,14 @@ pub struct Outcome {
     pub reach_exceeded: f64,
     /// Expected RULA that the planner's own model predicted, where it reported one.
     pub predicted_rula: Option<f64>,
+    /// Share of time at RULA 5 or more that it predicted, likewise.
+    pub predicted_exposure_rula_5: Option<f64>,
     /// Time means of RULA by repetition, for pairs.
     #[serde(skip)]
     pub rula: Vec<f64>,
+    /// Shares of time at RULA 5 or more by repetition.
+    #[serde(skip)]
+    pub high: Vec<f64>,
 }
 
 /// One cell.
@@ -143,15 +148,17 @@ pub(super) fn run_cell(
             exposure_rula_5: mean(&f.rula().high),
             expected_reba: mean(&f.reba().time_mean),
             reach_exceeded: mean(&f.lost),
-            predicted_rula: predicted,
+            predicted_rula: predicted.map(|p| p[0]),
+            predicted_exposure_rula_5: predicted.map(|p| p[1]),
             rula: f.rula().time_mean.clone(),
+            high: f.rula().high.clone(),
         });
     }
     Ok(cell)
 }
 
-/// Name, path and predicted expected RULA of a planner's answer.
-type Answer = (String, TimedPath, Option<f64>);
+/// Name, path, and predicted expected RULA and share of time at RULA 5 or more of a planner's answer.
+type Answer = (String, TimedPath, Option<[f64; 2]>);
 
 const BASELINES: [&str; 6] = [
     "straight",
@@ -187,7 +194,8 @@ fn named(name: &str, c: &CandidateResult) -> Option<Answer> {
     let path = c.path.as_ref()?;
     let poses = path.tcp.iter().map(pose).collect();
     let path = TimedPath::new(path.time_s.clone(), poses).ok()?;
-    Some((name.to_owned(), path, c.bodies.first().map(|b| b.rula().distribution.expected)))
+    let predicted = |b: &BodyScores| [b.rula().distribution.expected, b.rula().high_band[0]];
+    Some((name.to_owned(), path, c.bodies.first().map(predicted)))
 }
 
 fn pose(p: &[f64; 7]) -> Pose {

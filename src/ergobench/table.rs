@@ -4,6 +4,7 @@ use super::bootstrap::{Gain, Part, by_cells};
 use super::cell::{Cell, Outcome};
 use super::families::Family;
 use super::people::Kind;
+use super::reliability::{ReliabilityBin, reliability};
 use super::{OURS, PACED};
 use crate::math::stats::{cvar_upper, mean};
 use serde::Serialize;
@@ -44,6 +45,8 @@ pub struct Table {
     pub rows: Vec<Row>,
     /// Cells in which the planner fails, the worst first.
     pub failures: Vec<Weak>,
+    /// Predicted against true share of time at RULA 5 or more.
+    pub reliability: Vec<ReliabilityBin>,
 }
 
 /// A cell in which our path is worse than the straight one, cannot be followed, or was misjudged.
@@ -129,7 +132,7 @@ pub fn table(cells: &[Cell]) -> Table {
         cells.iter().filter_map(Weak::of).filter(Weak::is_failure).collect();
     let error = |w: &Weak| w.truth - w.predicted.min(w.straight);
     failures.sort_by(|a, b| error(b).total_cmp(&error(a)));
-    Table { rows, failures }
+    Table { rows, failures, reliability: reliability(cells) }
 }
 
 impl Table {
@@ -245,7 +248,9 @@ mod tests {
             expected_reba: 0.0,
             reach_exceeded: lost,
             predicted_rula: Some(mean(rula) - 0.1),
+            predicted_exposure_rula_5: None,
             rula: rula.to_vec(),
+            high: Vec::new(),
         };
         Cell {
             station: family.name().to_owned(),

@@ -146,6 +146,14 @@ impl Verdict {
     pub fn is_decided(&self) -> bool {
         matches!(self.outcome, Decision::Best | Decision::Assessed)
     }
+
+    /// Whether there is a best path that by some method is lower than the straight one beyond chance, or is that one
+    /// itself.
+    pub fn has_clear_best(&self) -> bool {
+        let is_lower =
+            |g: &Gain| g.scores.iter().any(|(_, s)| s.together.clear && s.together.mean > 0.0);
+        self.outcome == Decision::Best && self.gain.as_ref().is_none_or(is_lower)
+    }
 }
 
 /// Kinds of decision.

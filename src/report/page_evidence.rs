@@ -183,7 +183,9 @@ fn limits(lead: &CandidateResult, path: &PathData) -> Markup {
             @if path.robot_q.is_empty() { li { strong { "The robot cannot follow this path." } } }
             li { (ticked(&words::robot::obstacle_clearance(&path.clearance))) }
             li { (ticked(&words::robot::self_clearance(&path.self_clearance))) }
-            li { "planning moved the path by at most " (format!("{:.1}", 1e3 * path.moved_m)) " mm to keep the limits" }
+            @if path.moved_m > 0.0 {
+                li { "planning moved the path by at most " (format!("{:.1}", 1e3 * path.moved_m)) " mm to keep the limits" }
+            }
         }
     }
 }
@@ -191,7 +193,8 @@ fn limits(lead: &CandidateResult, path: &PathData) -> Markup {
 fn check_row(check: &Check) -> Markup {
     let (name, unit) = words::path::quantity_heading(check.quantity);
     html! {
-        tr {
+        // How near a path is to the best one is no limit: not worth the paper.
+        tr class=[check.quantity.is_optimality().then_some("onscreen")] {
             th scope="row" { (name) }
             td { (unit) }
             td.n { (value(check.value)) }
@@ -239,7 +242,7 @@ fn trust(b: &BodyScores) -> Markup {
         dl.pairs {
             // Who is worst off stands in the decision.
             @for (name, sentence) in words::strain::lines(b).into_iter().filter(|(n, _)| *n != words::strain::WORST_OFF) {
-                dt { (name) } dd { (sentence) }
+                dt { (name) } dd { (ticked(&sentence)) }
             }
         }
         dl.pairs {

@@ -3,7 +3,7 @@
 use super::cell::{alternative, input};
 use super::number::score;
 use super::paths::path_and_id;
-use super::verdict::{headline, lead, lead_scores};
+use super::verdict::{headline, lead, lead_scores, role};
 use crate::ergonomics::ScoringMethod;
 use crate::planner::{Decision, Finding, InputOrigin, RunResult, ScoreInput};
 use crate::scenario::Origin;
@@ -14,8 +14,9 @@ const WORTH_SETTLING: f64 = 0.05;
 /// Which path; without a decision, why there is none.
 pub fn which(result: &RunResult) -> String {
     match (result.verdict.outcome, lead(result)) {
-        (Decision::Best, Some(lead)) => format!("Best path: {}", path_and_id(lead)),
-        (Decision::Assessed, Some(lead)) => format!("Assessed: {}", path_and_id(lead)),
+        (Decision::Best | Decision::Assessed, Some(lead)) => {
+            format!("{}: {}", role(result), path_and_id(lead))
+        }
         _ => headline(result),
     }
 }

@@ -49,12 +49,12 @@ pub fn headline(result: &RunResult) -> String {
                 "Not supported by the recordings: for {body}, {why}. No path is called the best"
             )
         }
-        decision @ (Decision::Best | Decision::Assessed) => {
+        Decision::Best | Decision::Assessed => {
             let method = ScoringMethod::Rula;
             let [share, low, high] = body.scores[method].high_band;
-            let role = if decision == Decision::Best { "Best path" } else { "Assessed" };
             format!(
-                "{role}: {}. {} at action level 3 or above for {} of the time (90 % of repetitions: {} to {}){}",
+                "{}: {}. {} at action level 3 or above for {} of the time (90 % of repetitions: {} to {}){}",
+                role(result),
                 path_and_id(lead),
                 method.name(),
                 percent(share),
@@ -63,6 +63,16 @@ pub fn headline(result: &RunResult) -> String {
                 for_body(result, &body.body),
             )
         }
+    }
+}
+
+/// What the lead is called. The lowest of all is not called the best where chance alone may have made it lower
+/// than the straight path.
+pub fn role(result: &RunResult) -> &'static str {
+    match result.verdict.outcome {
+        Decision::Best if result.verdict.has_clear_best() => "Best path",
+        Decision::Best => "No path is clearly better than the straight one. Lowest",
+        Decision::Assessed | Decision::NotSupported | Decision::NothingFeasible => "Assessed",
     }
 }
 
