@@ -27,6 +27,7 @@ mod ergonomics_properties;
 mod ergonomics_tables;
 mod evaluate_cli;
 mod fit_real;
+mod fuzz;
 mod import_cli;
 mod inputs_cli;
 #[cfg(feature = "peers")]
