@@ -8,7 +8,7 @@
 //!   cargo test --release --features peers --test suite -- fuzz --nocapture
 //! ```
 
-mod made;
+pub(crate) mod made;
 mod mutate;
 mod seeds;
 mod targets;

@@ -36,6 +36,7 @@ mod layers;
 mod mesh_cli;
 mod moved_worlds;
 mod new_cli;
+mod numerics;
 #[cfg(unix)]
 mod outputs_cli;
 mod paper_cli;
