@@ -42,7 +42,6 @@ fn setting(name: &str) -> Option<String> {
 
 /// Files with small changes of each target; those that are planned or drawn take long.
 fn count(target: &str) -> usize {
-    let times: f64 = setting("ERGOPATH_FUZZ_TIMES").map_or(1.0, |t| t.parse().unwrap());
     let once = match target {
         "scenario_plan" | "unfinished" => 6,
         "result" => 10,
@@ -50,7 +49,17 @@ fn count(target: &str) -> usize {
         "scenario" => 60,
         _ => 150,
     };
+    times(once)
+}
+
+/// So many, or as many more as are asked for.
+fn times(once: u32) -> usize {
+    let times: f64 = setting("ERGOPATH_FUZZ_TIMES").map_or(1.0, |t| t.parse().unwrap());
     (f64::from(once) * times) as usize
+}
+
+fn first_seed() -> u64 {
+    setting("ERGOPATH_FUZZ_SEED").map_or(1, |s| s.parse().unwrap())
 }
 
 #[test]
@@ -109,7 +118,6 @@ fn campaign(told: &Path) {
 fn one_target(target: &Target, told: &Path) -> Vec<String> {
     let from = Instant::now();
     restart_peak_memory();
-    let seed: u64 = setting("ERGOPATH_FUZZ_SEED").map_or(1, |s| s.parse().unwrap());
     let (kind, seeds) = seeds::seeds(target.name);
     let mut faults = Vec::new();
     let (mut read, mut accepted, mut slowest) = (0, 0, (0.0, String::new()));
@@ -142,7 +150,7 @@ fn one_target(target: &Target, told: &Path) -> Vec<String> {
                 meet(name, &mutant);
             }
         }
-        let mut rng = stream(seed, Purpose::Simulation, k as u32, 0);
+        let mut rng = stream(first_seed(), Purpose::Simulation, k as u32, 0);
         for _ in 0..count(target.name).div_ceil(seeds.len()) {
             meet(name, &some(kind, bytes, &mut rng));
         }
@@ -168,6 +176,72 @@ fn keep(target: &str, number: usize, bytes: &[u8]) -> PathBuf {
     let file = folder.join(format!("{target}_{number}"));
     std::fs::write(&file, bytes).unwrap();
     file
+}
+
+/// The name under which `check` knows the file of a target, and whether it needs a map; none where it does not.
+fn file_name(target: &str) -> Option<(&'static str, bool)> {
+    Some(match target {
+        "scenario" | "planner" | "batch" | "shift" | "people" | "map" => ("own.toml", false),
+        "model" | "result" | "unfinished" | "manifest" | "trajectory_json" => ("own.json", false),
+        "trajectory_yaml" => ("own.yaml", false),
+        "body_sheet" => ("person.body.toml", false),
+        "body_urdf" | "robot" => ("person.urdf", false),
+        "mvnx" => ("own.mvnx", false),
+        "bvh" => ("own.bvh", false),
+        "asf" => ("own.asf", false),
+        "amc" => ("own.amc", false),
+        "c3d" => ("own.c3d", true),
+        "trc" => ("own.trc", true),
+        "points" => ("own.tsv", true),
+        "opensim" => ("own.mot", false),
+        "path_csv" | "motion_csv" | "data_csv" | "quality_csv" | "worksheets" => ("own.csv", false),
+        _ => return None,
+    })
+}
+
+/// What the program itself says of changed files: it ends by itself, with a code that is documented.
+#[test]
+fn check_ends_in_words_whatever_is_in_the_file() {
+    let room = tempfile::tempdir().unwrap();
+    let map = room.path().join("map.toml");
+    std::fs::write(&map, made::MAP).unwrap();
+    for (name, text) in [("bench.toml", made::BENCH), ("tiny.toml", made::TINY)] {
+        std::fs::write(room.path().join(name), text).unwrap();
+    }
+    let mut runs = 0;
+    for target in TARGETS {
+        let Some((name, needs_map)) = file_name(target.name) else { continue };
+        let (kind, seeds) = seeds::seeds(target.name);
+        for (k, (seed, bytes)) in
+            seeds.iter().enumerate().skip(usize::from(target.name == "scenario"))
+        {
+            let mut rng = stream(first_seed(), Purpose::Simulation, k as u32, 1);
+            let some = (0..times(6)).map(|_| some(kind, bytes, &mut rng));
+            let long =
+                Mutant { what: "long".into(), bytes: [bytes, &vec![b'7'; 1 << 17][..]].concat() };
+            for mutant in some.chain([long]) {
+                let file = room.path().join(name);
+                std::fs::write(&file, &mutant.bytes).unwrap();
+                let mut command = crate::common::ergopath();
+                command.arg("check").arg(&file).timeout(Duration::from_secs(HANGS_S));
+                if needs_map {
+                    command.arg("--map").arg(&map);
+                }
+                let done = command.assert();
+                let done = done.get_output();
+                let said = String::from_utf8_lossy(&done.stderr);
+                let is_told = match done.status.code() {
+                    Some(0 | 3) => true,
+                    Some(2) => !said.trim().is_empty() && !said.contains("panicked"),
+                    _ => false,
+                };
+                let case = format!("{}, `{seed}`: {}", target.name, mutant.what);
+                assert!(is_told, "{case}: {}\n{said}", done.status);
+                runs += 1;
+            }
+        }
+    }
+    assert!(runs > 150, "{runs}");
 }
 
 #[test]
