@@ -15,6 +15,7 @@ mod targets;
 
 use ergopath::files::{peak_memory_mib, restart_peak_memory};
 use ergopath::math::stream::{Purpose, stream};
+use ergopath::planner::parse_result;
 use mutate::{Mutant, some, whole};
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -242,6 +243,16 @@ fn check_ends_in_words_whatever_is_in_the_file() {
         }
     }
     assert!(runs > 150, "{runs}");
+}
+
+#[test]
+fn a_result_whose_mannequin_lacks_a_point_is_refused() {
+    let mut value: serde_json::Value = serde_json::from_str(&made::RAN.result).unwrap();
+    let points = value.pointer_mut("/moments/0/mannequin/points_m").unwrap();
+    points.as_array_mut().unwrap().pop();
+    let found = parse_result(Path::new("result.json"), &value.to_string()).map(|_| ());
+    let error = found.unwrap_err().to_string();
+    assert!(error.contains("moments[0]: a piece of the mannequin has no point"), "{error}");
 }
 
 #[test]
