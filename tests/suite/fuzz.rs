@@ -46,8 +46,7 @@ fn count(target: &str) -> usize {
     let once = match target {
         "scenario_plan" | "unfinished" => 6,
         "result" => 10,
-        "shift" | "model" | "robot" => 60,
-        "scenario" => 60,
+        "scenario" | "shift" | "model" | "robot" => 60,
         _ => 150,
     };
     times(once)

@@ -101,8 +101,8 @@ fn hands_of_anybody_stay_on_the_robot_within_the_limits_of_the_body() {
                 assert!(q.iter().all(|v| v.is_finite()), "{number} {r} {k}");
                 assert!(who.coupling.limits().violation(q.as_slice()) < 1e-9, "{number} {r} {k}");
             }
-            for k in 0..reached {
-                let (metres, turned) = who.off(&who.grip(&done.q[k]), &hands[k]);
+            for (k, (q, hand)) in done.q.iter().zip(&hands).take(reached).enumerate() {
+                let (metres, turned) = who.off(&who.grip(q), hand);
                 assert!(metres < 1e-3, "{number} {r} {k}: {metres} m");
                 // What is reported is what is.
                 assert!(metres <= done.max_residual_m + 1e-9, "{number} {r} {k}");

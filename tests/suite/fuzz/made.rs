@@ -207,7 +207,7 @@ pub fn c3d(is_float: bool) -> Vec<u8> {
         false,
     ));
     parameters.extend(record("UNITS", 1, &[&[0xFF, 1, 2][..], b"mm", &[0]].concat(), false));
-    let labels: String = MARKERS.iter().map(|m| format!("{m:4}")).collect();
+    let labels = MARKERS.map(|m| format!("{m:4}")).concat();
     let labels = [&[0xFF, 2, 4, 8][..], labels.as_bytes(), &[0]].concat();
     parameters.extend(record("LABELS", 1, &labels, true));
     parameters.resize(BLOCK, 0);

@@ -76,6 +76,14 @@ pub(super) fn whole(kind: Kind, seed: &[u8]) -> Vec<Mutant> {
     add("a long line after it", [seed, &vec![b'7'; LONG]].concat());
     add("many empty lines after it", [seed, &vec![b'\n'; LONG]].concat());
     add("no end of the last line", seed.trim_ascii_end().to_vec());
+    all.extend(of_kind(kind, seed));
+    all
+}
+
+/// Changes that only this kind of file has.
+fn of_kind(kind: Kind, seed: &[u8]) -> Vec<Mutant> {
+    let mut all: Vec<Mutant> = Vec::new();
+    let mut add = |what: &str, bytes: Vec<u8>| all.push(Mutant { what: what.to_owned(), bytes });
     let nested = |open: &str, middle: &str, close: &str| {
         (open.repeat(DEEP) + middle + &close.repeat(DEEP)).into_bytes()
     };
@@ -114,33 +122,9 @@ pub(super) fn whole(kind: Kind, seed: &[u8]) -> Vec<Mutant> {
         Kind::Xml => {
             add("deep elements", nested("<a>", "", "</a>"));
             add("deep elements without end", nested("<node id=\"a\">", "", ""));
-            let text = String::from_utf8_lossy(seed);
-            let root = text.find("?>").map_or(0, |at| at + 2);
-            let entities: String = (1..12)
-                .map(|i| format!("<!ENTITY a{i} \"{}\">", format!("&a{};", i - 1).repeat(10)))
-                .collect();
-            for (what, more) in [("a bomb of entities", "&a11;"), ("an entity", "&a0;")] {
-                let head = format!("<!DOCTYPE a [<!ENTITY a0 \"x\">{entities}]>");
-                let used = text[root..].replacen('>', &format!(">{more}"), 1);
-                add(what, (text[..root].to_owned() + &head + &used).into_bytes());
+            for mutant in of_xml(seed) {
+                add(&mutant.what, mutant.bytes);
             }
-            let named = "<!DOCTYPE a [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>";
-            let used = text[root..].replacen('>', ">&a;", 1);
-            add("an entity of a file", (text[..root].to_owned() + named + &used).into_bytes());
-            let many: String = (0..20_000).map(|i| format!(" a{i}=\"\"")).collect();
-            add("many attributes", text.replacen('>', &format!("{many}>"), 2).into_bytes());
-            add(
-                "a cycle",
-                text.replace("<child link=\"l2\"/>", "<child link=\"base\"/>").into_bytes(),
-            );
-            add(
-                "a node in itself",
-                text.replace(
-                    "url=\"#g\"/></node></library",
-                    "url=\"#g\"/><instance_node url=\"#part\"/></node></library",
-                )
-                .into_bytes(),
-            );
         }
         Kind::Text => {
             add("deep braces", nested("JOINT a\n{\nOFFSET 0 0 0\n", "", "}\n"));
@@ -174,6 +158,36 @@ pub(super) fn whole(kind: Kind, seed: &[u8]) -> Vec<Mutant> {
             }
         }
     }
+    all
+}
+
+/// Entities, attributes, and elements within themselves.
+fn of_xml(seed: &[u8]) -> Vec<Mutant> {
+    let mut all: Vec<Mutant> = Vec::new();
+    let mut add = |what: &str, bytes: Vec<u8>| all.push(Mutant { what: what.to_owned(), bytes });
+    let text = String::from_utf8_lossy(seed);
+    let root = text.find("?>").map_or(0, |at| at + 2);
+    let entity = |i: usize| format!("<!ENTITY a{i} \"{}\">", format!("&a{};", i - 1).repeat(10));
+    let entities = (1..12).map(entity).collect::<Vec<_>>().concat();
+    for (what, more) in [("a bomb of entities", "&a11;"), ("an entity", "&a0;")] {
+        let head = format!("<!DOCTYPE a [<!ENTITY a0 \"x\">{entities}]>");
+        let used = text[root..].replacen('>', &format!(">{more}"), 1);
+        add(what, (text[..root].to_owned() + &head + &used).into_bytes());
+    }
+    let named = "<!DOCTYPE a [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>";
+    let used = text[root..].replacen('>', ">&a;", 1);
+    add("an entity of a file", (text[..root].to_owned() + named + &used).into_bytes());
+    let many = (0..20_000).map(|i| format!(" a{i}=\"\"")).collect::<Vec<_>>().concat();
+    add("many attributes", text.replacen('>', &format!("{many}>"), 2).into_bytes());
+    add("a cycle", text.replace("<child link=\"l2\"/>", "<child link=\"base\"/>").into_bytes());
+    add(
+        "a node in itself",
+        text.replace(
+            "url=\"#g\"/></node></library",
+            "url=\"#g\"/><instance_node url=\"#part\"/></node></library",
+        )
+        .into_bytes(),
+    );
     all
 }
 

@@ -20,12 +20,19 @@ pub enum Kind {
     Binary,
 }
 
-/// What a reader of this name reads, and files that it accepts, by name.
-pub fn seeds(target: &str) -> (Kind, Vec<(&'static str, Vec<u8>)>) {
-    let texts = |kind: Kind, all: Vec<(&'static str, String)>| {
-        (kind, all.into_iter().map(|(name, text)| (name, text.into_bytes())).collect())
-    };
-    let one = |kind: Kind, name: &'static str, text: String| texts(kind, vec![(name, text)]);
+/// A kind of file, and files of it by name.
+pub type Seeds = (Kind, Vec<(&'static str, Vec<u8>)>);
+
+fn texts(kind: Kind, all: Vec<(&'static str, String)>) -> Seeds {
+    (kind, all.into_iter().map(|(name, text)| (name, text.into_bytes())).collect())
+}
+
+fn one(kind: Kind, name: &'static str, text: String) -> Seeds {
+    texts(kind, vec![(name, text)])
+}
+
+/// What a reader of this name reads, and files that it accepts.
+pub fn seeds(target: &str) -> Seeds {
     let body = || {
         let size = BodySize { sex: Sex::Female, stature_m: 1.63, mass_kg: 66.0 };
         generate("anna", size).expect("a body")
@@ -41,9 +48,10 @@ pub fn seeds(target: &str) -> (Kind, Vec<(&'static str, Vec<u8>)>) {
             ]
             .to_vec(),
         ),
-        "scenario_plan" => {
-            texts(Kind::Toml, vec![("rich", made::rich_scenario()), ("bench", made::BENCH.to_owned())])
-        }
+        "scenario_plan" => texts(
+            Kind::Toml,
+            vec![("rich", made::rich_scenario()), ("bench", made::BENCH.to_owned())],
+        ),
         "planner" => texts(
             Kind::Toml,
             vec![
@@ -62,11 +70,16 @@ pub fn seeds(target: &str) -> (Kind, Vec<(&'static str, Vec<u8>)>) {
                 ("gait", include_str!("../../../models/maps/plug_in_gait.toml").to_owned()),
             ],
         ),
-        "gate" => one(Kind::Text, "bounds", "p_rula_ge_5<0.1 and  rula_peak <= 6 AND rank == 1".into()),
+        "gate" => {
+            one(Kind::Text, "bounds", "p_rula_ge_5<0.1 and  rula_peak <= 6 AND rank == 1".into())
+        }
         "model" => texts(
             Kind::Json,
             vec![
-                ("whole", made::opened(include_str!("../../../models/posture/whole_operator.json"))),
+                (
+                    "whole",
+                    made::opened(include_str!("../../../models/posture/whole_operator.json")),
+                ),
                 ("demo", made::opened(include_str!("../../../models/posture/demo_operator.json"))),
             ],
         ),
@@ -83,6 +96,13 @@ pub fn seeds(target: &str) -> (Kind, Vec<(&'static str, Vec<u8>)>) {
                 ("ur5e", include_str!("../../../models/robot/ur5e.urdf").to_owned()),
             ],
         ),
+        other => of_measured(other),
+    }
+}
+
+/// Of recordings, tables, trajectories and meshes.
+fn of_measured(target: &str) -> Seeds {
+    match target {
         "mvnx" => one(Kind::Xml, "made", made::mvnx()),
         "bvh" => one(Kind::Text, "made", made::bvh()),
         "asf" => one(Kind::Text, "made", made::asf()),

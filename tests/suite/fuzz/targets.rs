@@ -331,8 +331,9 @@ pub fn manifest(bytes: &[u8]) -> bool {
     let read = |path: &Path| {
         let folder = path.parent().expect("a folder");
         let plan = Manifest::read(folder)?;
-        let _ = (plan.varied(), plan.cells.iter().map(|c| (c.folder(), c.short().len())).count());
+        let _ = plan.varied();
         for cell in plan.cells.iter().take(FEW) {
+            let _ = (cell.folder(), cell.short());
             // A record of another key is none.
             let record = CellRecord::failed("other", "made up".to_owned()).file()?;
             beside(path, &format!("cell/{}", record.0), &record.1);
@@ -396,7 +397,9 @@ pub fn robot(bytes: &[u8]) -> bool {
 fn recorded(name: &str, bytes: &[u8], map: Option<&Map>) -> bool {
     let how = Reading { map, ..Reading::default() };
     let Some(runs) = as_file(name, bytes, |path| read_runs(path, &how)) else { return false };
-    runs.iter().for_each(|r| fitted(&r.recording));
+    for run in &runs {
+        fitted(&run.recording);
+    }
     true
 }
 
@@ -425,11 +428,11 @@ pub fn asf(bytes: &[u8]) -> bool {
         std::fs::write(&motion, made::amc()).expect("written");
         read_runs(&motion, &Reading::default())
     };
-    let runs = as_file("posed.asf", bytes, read);
-    runs.is_some_and(|runs| {
-        runs.iter().for_each(|r| fitted(&r.recording));
-        true
-    })
+    let Some(runs) = as_file("posed.asf", bytes, read) else { return false };
+    for run in &runs {
+        fitted(&run.recording);
+    }
+    true
 }
 
 /// A motion beside its skeleton.
