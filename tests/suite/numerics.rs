@@ -9,12 +9,12 @@ use ergopath::math::stream::{Purpose, normals, stream};
 use ergopath::math::{Pose, Vec3};
 use ergopath::planner::{CandidateResult, RunResult, Status, plan};
 use ergopath::posture::{
-    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, StartRule, roll_out,
-    simulated_person, start_postures,
+    Coupling, HandPath, Hold, PostureModel, Sampler, Sampling, Start, StartRule, condition,
+    roll_out, simulated_person, start_postures,
 };
 use ergopath::robot::Robot;
 use ergopath::scenario::{Scenario, parse_scenario, read_user_path};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use std::path::Path;
 
@@ -130,7 +130,7 @@ fn what_is_free_of_anybody_does_not_move_the_hand() {
         let scale = j.amax();
         assert!((j * &free).amax() < 1e-9 * scale, "{number}: J N");
         assert!((&free * &free - &free).amax() < 1e-8, "{number}: N N = N");
-        assert!((j * &inverse - nalgebra::DMatrix::identity(m, m)).amax() < 1e-9, "{number}");
+        assert!((j * &inverse - DMatrix::identity(m, m)).amax() < 1e-9, "{number}");
         // As many free motions as joints less rows.
         assert!((free.trace() - (n - m) as f64).abs() < 1e-8, "{number}: {}", free.trace());
         // Least in the metric of the weight: nothing is gained by adding a free motion.
@@ -150,6 +150,70 @@ fn what_is_free_of_anybody_does_not_move_the_hand() {
         let asked_step = &least * (STEP / least.norm());
         let (metres, turned) = who.off(&who.grip(&(&q + &asked_step)), &who.grip(&q));
         assert!(metres + turned > 1e-8, "{number}: {metres} m, {turned} rad");
+    }
+}
+
+#[test]
+fn what_the_hand_tells_leaves_less_spread_and_never_less_than_none() {
+    let mut frames = Frames::default();
+    for number in 0..60 {
+        let who = somebody(number);
+        let seen = who.coupling.observe(&who.posture(number), &mut frames);
+        let (j, w) = (&seen.jacobian, &who.model.law.weight);
+        let mut rng = stream(36, Purpose::Simulation, 0, number);
+        let mut draw = |count: usize| DVector::from_vec(normals(&mut rng, count));
+        let (preferred, task) = (draw(j.ncols()), draw(j.nrows()));
+        let told = condition(j, w, &preferred, &task).unwrap();
+        assert!((j * &told.mean - &task).norm() < 1e-9 * task.norm().max(1.0), "{number}");
+        let size = w.amax();
+        let least = |m: &DMatrix<f64>| (0.5 * (m + m.transpose())).symmetric_eigenvalues().min();
+        assert!((&told.covariance - told.covariance.transpose()).amax() < 1e-12 * size, "{number}");
+        assert!(least(&told.covariance) > -1e-10 * size, "{number}");
+        assert!(least(&(w - &told.covariance)) > -1e-10 * size, "{number}: knowing adds no spread");
+        // Of the hand itself nothing is left open.
+        assert!((j * &told.covariance).amax() < 1e-9 * size * j.amax(), "{number}");
+    }
+    for name in ["demo_operator", "whole_operator", "people"] {
+        let (model, _) = ergopath::posture::load_model(name, Path::new(".")).unwrap();
+        let p = &model.postures;
+        for spread in [Some(&p.covariance), p.about_usual.as_ref()].into_iter().flatten() {
+            assert!(spread.clone().cholesky().is_some(), "{name}");
+        }
+        assert!(model.law.weight.clone().cholesky().is_some(), "{name}");
+    }
+}
+
+#[test]
+fn from_a_straight_arm_the_hand_is_followed_or_said_to_be_lost() {
+    for number in 0..12 {
+        let who = somebody(number);
+        // Upright with the arm hanging straight down: the elbow and the rank of the arm are at their ends.
+        let (lower, upper) = (&who.coupling.limits().lower, &who.coupling.limits().upper);
+        let zero = lower.iter().zip(upper).map(|(low, high)| 0.0f64.max(*low).min(*high));
+        let q = DVector::from_iterator(lower.len(), zero);
+        assert!(who.coupling.limits().violation(q.as_slice()) < 1e-9);
+        let here = who.grip(&q);
+        let time: Vec<f64> = (0..=40).map(|i| 0.1 * f64::from(i)).collect();
+        // The y axis of the rest frame is up; nobody's hand goes a metre down with the pelvis at rest.
+        for (down_m, can_be) in [(0.0, true), (-0.05, true), (1.0, false)] {
+            let hands: Vec<Pose> = (0..=40)
+                .map(|i| {
+                    let mut hand = here;
+                    hand.translation.vector.y -= down_m * f64::from(i) / 40.0;
+                    hand
+                })
+                .collect();
+            let path = HandPath::new(&who.coupling, &who.model.law, time.clone(), hands.clone());
+            let start = Start { q: Some(q.clone()), distance: 0.0, is_unusual: false, mode: None };
+            let done = roll_out(&who.coupling, &who.model.law, &path, &start, None);
+            let reached = done.reach_exceeded_at.unwrap_or(done.q.len());
+            assert!(can_be || reached < done.q.len(), "{number}: {down_m} m down");
+            assert!(down_m != 0.0 || reached == done.q.len(), "{number}: at rest");
+            for (k, (q, hand)) in done.q.iter().zip(&hands).enumerate() {
+                assert!(who.coupling.limits().violation(q.as_slice()) < 1e-9, "{number} {k}");
+                assert!(k >= reached || who.off(&who.grip(q), hand).0 < 1e-3, "{number} {k}");
+            }
+        }
     }
 }
 
