@@ -18,8 +18,13 @@ const MOST_DEEP: usize = 64;
 const MOST_NODES: usize = 100_000;
 
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Found, InputError> {
-    let read = Gltf::from_slice(bytes);
-    let Gltf { document, blob } = read.map_err(|e| refusal(path, &format!("is no glTF: {e}")))?;
+    let no_gltf = |e: gltf::Error| refusal(path, &format!("is no glTF: {e}"));
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(no_gltf)?;
+    let json = document.into_json();
+    if !has_its_places(&json) {
+        return Err(refusal(path, "is no glTF: a mesh names places that it does not hold"));
+    }
+    let document = gltf::Document::from_json(json).map_err(no_gltf)?;
     let mut more = Vec::new();
     let buffers = buffers(path, &document, blob, &mut more)?;
     let mut reader = Reader { path, buffers, nodes: 0, mesh: Mesh::default() };
@@ -28,6 +33,14 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Found, InputError> {
         reader.node(&node, &Matrix4::identity(), 0)?;
     }
     Ok(Found { mesh: reader.mesh, is_in_metres: true, is_y_up: true, more })
+}
+
+/// Whether the places of all meshes are there; validation looks them up without asking.
+fn has_its_places(json: &gltf::json::Root) -> bool {
+    let places = gltf::json::validation::Checked::Valid(Semantic::Positions);
+    let primitives = json.meshes.iter().flat_map(|m| &m.primitives);
+    let named = primitives.filter_map(|p| p.attributes.get(&places));
+    named.map(gltf::json::Index::value).all(|i| i < json.accessors.len())
 }
 
 fn refusal(path: &Path, message: &str) -> InputError {
@@ -267,6 +280,8 @@ pub(super) mod tests {
                 .contains("cut short")
         );
         assert!(swapped(b"5125", b"5126").contains("not whole numbers"));
+        assert!(swapped(b"\"POSITION\":0", b"\"POSITION\":9").contains("does not hold"));
+        assert!(swapped(b"\"accessors\"", b"\"accessorz\"").contains("does not hold"));
         assert!(read(b"glTF").unwrap_err().to_string().contains("is no glTF"));
         assert!(read(b"{}").unwrap_err().to_string().contains("is no glTF"));
     }

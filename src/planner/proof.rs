@@ -41,6 +41,12 @@ pub(super) fn prove(result: &RunResult, value: &Value) -> Result<(), String> {
             return Err(format!("names a body `{body}`, which it does not hold"));
         }
     }
+    for (k, moment) in result.moments.iter().enumerate() {
+        let points = moment.mannequin.points_m.len();
+        if !moment.mannequin.capsules.iter().all(|c| c.fits(points)) {
+            return Err(format!("moments[{k}]: a piece of the mannequin has no point to lie at"));
+        }
+    }
     result
         .candidates
         .iter()

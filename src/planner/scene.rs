@@ -269,7 +269,7 @@ impl Track {
         let axis = |text: &str| -> Vec<i64> {
             let mut changes = text.split(' ').map(|v| v.parse().unwrap_or(0));
             let add = |sum: &mut i64, _| {
-                *sum += changes.next().unwrap_or(0);
+                *sum = sum.saturating_add(changes.next().unwrap_or(0));
                 Some(*sum)
             };
             (0..moments).scan(0, add).collect()

@@ -273,15 +273,23 @@ fn refuse_mixture(sources: &[Source]) -> Result<(), InputError> {
     refuse_twice(&sources.iter().collect::<Vec<_>>())
 }
 
+const TOO_GOOD: &str = "a recording that is also held out would make the scores too good";
+
 /// A recording that is given twice would be held out and teach at once.
 ///
 /// # Errors
-/// Where two have the same bytes.
+/// Where two have the same bytes, or hold the same movement.
 pub fn refuse_twice(sources: &[&Source]) -> Result<(), InputError> {
     for (i, source) in sources.iter().enumerate() {
         if sources[..i].iter().any(|s| s.sha256 == source.sha256) {
-            return Err(InputError::new(&source.name, "is given twice")
-                .remedy("a recording that is also held out would make the scores too good"));
+            return Err(InputError::new(&source.name, "is given twice").remedy(TOO_GOOD));
+        }
+    }
+    let trials: Vec<&Trial> = sources.iter().flat_map(|s| &s.trials).collect();
+    for (i, trial) in trials.iter().enumerate() {
+        if let Some(same) = trials[..i].iter().find(|t| t.q == trial.q) {
+            let message = format!("holds the same movement as {}", same.source);
+            return Err(InputError::new(&trial.source, message).remedy(TOO_GOOD));
         }
     }
     Ok(())

@@ -28,6 +28,7 @@ mod ergonomics_properties;
 mod ergonomics_tables;
 mod evaluate_cli;
 mod fit_real;
+mod fuzz;
 mod import_cli;
 mod inputs_cli;
 #[cfg(feature = "peers")]
@@ -37,6 +38,7 @@ mod licences;
 mod mesh_cli;
 mod moved_worlds;
 mod new_cli;
+mod numerics;
 #[cfg(unix)]
 mod outputs_cli;
 mod paper_cli;

@@ -265,6 +265,14 @@ fn broken_input_ends_with_one_message_and_no_file() {
         std::fs::write(&path, broken).unwrap();
         refused(&mut train(&path, &room.path().join("m.json")), name, expected, room.path());
     }
+    // A movement that is there twice would be held out and known at once.
+    let three = std::fs::read_to_string(short_demonstration(room.path())).unwrap();
+    let first = three.lines().filter(|l| l.starts_with("1,"));
+    let again = first.map(|l| format!("\n9{}", &l[1..])).collect::<Vec<_>>().concat();
+    let copied = room.path().join("copied.csv");
+    std::fs::write(&copied, three + &again).unwrap();
+    let same = "copied.csv trial 9: holds the same movement as copied.csv trial 1";
+    refused(&mut train(&copied, &room.path().join("m.json")), "copied", same, room.path());
     let good = project(DEMONSTRATION);
     let model = room.path().join("m.json");
     refused(&mut train(Path::new("none.csv"), &model), "missing", "no such file", room.path());
