@@ -1,8 +1,8 @@
 //! Tests of the whole set of files, on a small run made once.
 
 use super::*;
-use crate::ergonomics::ScoringMethod;
-use crate::planner::{Request, load_preset, plan};
+use crate::ergonomics::{PairedDifference, PerMethod, ScoringMethod};
+use crate::planner::{Gain, GainParts, Request, load_preset, plan};
 use crate::scenario::read_scenario;
 use crate::words::number;
 use serde_json::Value;
@@ -287,9 +287,9 @@ fn the_first_screen_tells_before_and_after_once() {
     let told = format!("{} \u{2192} {}", share(own), share(view.lead.unwrap()));
     assert!(decision.contains(&told), "{told}");
     assert_eq!(decision.matches("class=\"levelbar\"").count(), 2);
-    for words in
-        ["Settle first", "demonstration model", "Best path: ", "who is worst off of the 2 bodies"]
-    {
+    let role = crate::words::verdict::role(feasible());
+    let once = ["Settle first", "demonstration model", role, "who is worst off of the 2 bodies"];
+    for words in once {
         assert_eq!(decision.matches(words).count(), 1, "{words}");
     }
     // What is to be settled first is not told again among what is to be minded.
@@ -297,6 +297,24 @@ fn the_first_screen_tells_before_and_after_once() {
     let changed = settled.split("RULA").nth(1).unwrap().split(" instead").next().unwrap();
     let minded = page.split("To mind").nth(1).map_or("", |m| m.split("</ul>").next().unwrap());
     assert!(!minded.contains(changed.trim()), "{changed}: {minded}");
+}
+
+#[test]
+fn the_lowest_path_is_the_best_only_where_it_is_lower_beyond_chance() {
+    let mut result = feasible().clone();
+    let gain = result.verdict.gain.clone().unwrap();
+    let known = gain.scores[ScoringMethod::Rula].together;
+    let mut role = |mean: f64, clear: bool| {
+        let together = PairedDifference { mean, clear, ..known };
+        let parts = GainParts { together, route: None, timing: None };
+        let scores = PerMethod::of(|_| parts);
+        result.verdict.gain = Some(Gain { scores, ..gain.clone() });
+        crate::words::verdict::role(&result)
+    };
+    assert_eq!(role(0.2, true), "Best path");
+    let lowest = "No path is clearly better than the straight one. Lowest";
+    assert_eq!(role(0.2, false), lowest);
+    assert_eq!(role(-0.2, true), lowest);
 }
 
 #[test]
