@@ -133,6 +133,11 @@ fn weaknesses(table: &Table) {
     }
 }
 
+/// "1 cell", "2 cells".
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 /// Whether the risk that plans predict is the true one.
 fn reliability(table: &Table) {
     let percent = |v: f64| format!("{:.0} %", 100.0 * v);
@@ -142,11 +147,11 @@ fn reliability(table: &Table) {
             _ => String::new(),
         };
         say!(
-            "  Time at RULA 5 or more: predicted {}, true {}{ends}; {} paths in {} cells.",
+            "  Time at RULA 5 or more: predicted {}, true {}{ends}; {} in {}.",
             percent(b.predicted),
             percent(b.truth.mean),
-            b.paths,
-            b.truth.cells
+            counted(b.paths, "path"),
+            counted(b.truth.cells, "cell")
         );
     }
 }

@@ -273,6 +273,28 @@ fn the_line_for_gnu_parallel_gives_the_same_table() {
 
 #[cfg(unix)]
 #[test]
+fn the_shipped_snakefile_gives_the_same_table() {
+    use std::process::Command;
+    if !Command::new("snakemake").arg("--version").output().is_ok_and(|o| o.status.success()) {
+        skip("Snakemake (pip install snakemake)");
+        return;
+    }
+    let (room, file) = batch_place("seeds = [1, 2, 3]\n");
+    batch(&file, "plain").args(["--pages", "none"]).assert().success();
+    let project = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let program = Path::new(env!("CARGO_BIN_EXE_ergopath")).parent().unwrap();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let mut snakemake = Command::new("snakemake");
+    snakemake.arg("-s").arg(project.join("scenarios/batch/Snakefile")).args(["--cores", "2"]);
+    snakemake.args(["--config", "batch=batch.toml", "out=cells", "shards=2"]);
+    snakemake.current_dir(room.path()).env("XDG_CACHE_HOME", room.path().join("cache"));
+    let run = snakemake.env("PATH", format!("{}:{path}", program.display())).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    assert!(top(&room.path().join("cells")) == top(&room.path().join("plain")));
+}
+
+#[cfg(unix)]
+#[test]
 fn an_interrupted_batch_keeps_its_cells_and_goes_on() {
     use crate::outputs_cli::has;
     use std::time::{Duration, SystemTime};
