@@ -69,6 +69,21 @@ pub struct RunResult {
     pub rollouts: Vec<RolloutTable>,
 }
 
+impl RunResult {
+    /// Whether there is a best path that by a method of the objective is lower than the straight one beyond chance, or
+    /// is that one itself.
+    pub fn has_clear_best(&self) -> bool {
+        let objective = &self.planner.objective;
+        let is_lowered = |m: ScoringMethod| objective.weights(m).all() != [0.0; 4];
+        let is_lower = |g: &Gain| {
+            let parts = g.scores.iter().filter(|(m, _)| is_lowered(*m));
+            parts.map(|(_, s)| &s.together).any(|d| d.clear && d.mean > 0.0)
+        };
+        let verdict = &self.verdict;
+        verdict.outcome == Decision::Best && verdict.gain.as_ref().is_none_or(is_lower)
+    }
+}
+
 /// One search of a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SearchSummary {
@@ -145,14 +160,6 @@ impl Verdict {
     /// user's was assessed.
     pub fn is_decided(&self) -> bool {
         matches!(self.outcome, Decision::Best | Decision::Assessed)
-    }
-
-    /// Whether there is a best path that by some method is lower than the straight one beyond chance, or is that one
-    /// itself.
-    pub fn has_clear_best(&self) -> bool {
-        let is_lower =
-            |g: &Gain| g.scores.iter().any(|(_, s)| s.together.clear && s.together.mean > 0.0);
-        self.outcome == Decision::Best && self.gain.as_ref().is_none_or(is_lower)
     }
 }
 

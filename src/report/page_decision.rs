@@ -75,7 +75,7 @@ fn before<'a>(view: &View<'a>) -> Option<(String, &'a CandidateResult, &'a BodyS
 fn own_name(view: &View) -> String {
     match (view.result.verdict.outcome, view.lead) {
         (Decision::Assessed, Some(lead)) => format!("`{}`", lead.id),
-        _ if !view.result.verdict.has_clear_best() => "lowest path".to_owned(),
+        _ if !view.result.has_clear_best() => "lowest path".to_owned(),
         _ => "best path".to_owned(),
     }
 }

@@ -315,6 +315,15 @@ fn the_lowest_path_is_the_best_only_where_it_is_lower_beyond_chance() {
     let lowest = "No path is clearly better than the straight one. Lowest";
     assert_eq!(role(0.2, false), lowest);
     assert_eq!(role(-0.2, true), lowest);
+    // What the objective does not ask for does not make it the best.
+    assert_eq!(result.planner.objective.weights(ScoringMethod::Reba).all(), [0.0; 4]);
+    let gain = result.verdict.gain.as_mut().unwrap();
+    gain.scores = PerMethod::of(|m| GainParts {
+        together: PairedDifference { mean: 0.2, clear: m == ScoringMethod::Reba, ..known },
+        route: None,
+        timing: None,
+    });
+    assert_eq!(crate::words::verdict::role(&result), lowest);
 }
 
 #[test]

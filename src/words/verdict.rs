@@ -70,7 +70,7 @@ pub fn headline(result: &RunResult) -> String {
 /// than the straight path.
 pub fn role(result: &RunResult) -> &'static str {
     match result.verdict.outcome {
-        Decision::Best if result.verdict.has_clear_best() => "Best path",
+        Decision::Best if result.has_clear_best() => "Best path",
         Decision::Best => "No path is clearly better than the straight one. Lowest",
         Decision::Assessed | Decision::NotSupported | Decision::NothingFeasible => "Assessed",
     }
