@@ -7,17 +7,13 @@ use super::view::{View, family_words};
 use crate::ergonomics::{BandOverTime, ScoringMethod};
 use crate::human::SegmentKind;
 use crate::planner::{CandidateResult, SceneMotion, SceneObstacle};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
-use std::io::Write;
-use std::sync::OnceLock;
 
 /// Draws the scene; part of the page.
 const SCENE_SCRIPT: &str = include_str!("scene.js");
+/// plotly.js, compressed with gzip, in base64 (`build.rs`): less than half of its size.
+const LIBRARY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.js.gz.base64"));
 
 /// The scene and what is said beside it.
 #[derive(Serialize)]
@@ -227,48 +223,24 @@ pub(super) fn scripts(view: &View) -> Result<Markup, ReportError> {
     let data = serde_json::to_string(&page)?.replace('<', "\\u003c");
     Ok(html! {
         script type="application/json" id="scene-data" { (PreEscaped(data)) }
-        script type="text/plain" id="scene-library" { (packed_library()?) }
+        script type="text/plain" id="scene-library" { (LIBRARY) }
         script { (PreEscaped(SCENE_SCRIPT)) }
     })
 }
 
-/// plotly.js, without the typesetting of formulae that the crate puts beside it.
-fn library() -> Option<String> {
-    let all = plotly::Plot::offline_js_sources();
-    let (_, rest) = all.split_once("<script type=\"text/javascript\">")?;
-    let (script, _) = rest.split_once("</script>")?;
-    Some(script.to_owned())
-}
-
-/// The same, compressed with gzip, in base64: less than half of its size.
-fn packed_library() -> Result<&'static str, ReportError> {
-    static PACKED: OnceLock<String> = OnceLock::new();
-    if let Some(packed) = PACKED.get() {
-        return Ok(packed);
-    }
-    let message = || "the plotly crate holds its script in another form".to_owned();
-    let script = library()
-        .ok_or_else(|| ReportError::Figure { name: "scene".into(), message: message() })?;
-    let failed =
-        |e: std::io::Error| ReportError::Figure { name: "scene".into(), message: e.to_string() };
-    // The header holds no time, so that the bytes are always the same.
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::new(6));
-    encoder.write_all(script.as_bytes()).map_err(failed)?;
-    let bytes = encoder.finish().map_err(failed)?;
-    Ok(PACKED.get_or_init(|| STANDARD.encode(bytes)))
-}
-
 #[cfg(test)]
 mod tests {
+    use base64::Engine as _;
+    use base64::engine::general_purpose::STANDARD;
+    use flate2::read::GzDecoder;
+    use std::io::Read as _;
+
     #[test]
     fn the_library_is_plotly_alone() {
-        let script = super::library().unwrap();
-        assert!(script.contains("plotly.js v3"));
-        assert!(script.len() < 5_500_000, "{}", script.len());
-        let packed = super::packed_library().unwrap();
-        assert!(
-            packed.len() < 2_500_000
-                && packed.bytes().all(|b| b.is_ascii_alphanumeric() || b"+/=".contains(&b))
-        );
+        let packed = STANDARD.decode(super::LIBRARY).unwrap();
+        let mut script = String::new();
+        GzDecoder::new(&packed[..]).read_to_string(&mut script).unwrap();
+        assert!(script.contains("plotly.js v3") && !script.contains("</script>"));
+        assert!(script.len() < 5_500_000 && super::LIBRARY.len() < 2_500_000, "{}", script.len());
     }
 }
