@@ -23,7 +23,10 @@ fn may_hold_formula(bytes: &[u8]) -> bool {
         match byte {
             b'=' | b'@' if is_start => return true,
             b'+' | b'-' if is_start => {
-                if !bytes.get(i + 1).is_some_and(u8::is_ascii_digit) {
+                // `-1+...` begins as a number and is none.
+                let cell = bytes[i..].split(|b| b",\n\r\"".contains(b)).next();
+                let number = cell.and_then(|c| std::str::from_utf8(c).ok()?.parse::<f64>().ok());
+                if number.is_none() {
                     return true;
                 }
                 is_start = false;
@@ -65,6 +68,7 @@ mod tests {
         assert_eq!(written("name,x\n=cmd|' /C calc'!A0,-1\n"), "name,x\n'=cmd|' /C calc'!A0,-1\n");
         assert_eq!(written("a\n\"=HYPERLINK(1,2)\"\n"), "a\n\"'=HYPERLINK(1,2)\"\n");
         assert_eq!(written("a,b\n @x,-y\n"), "a,b\n' @x,'-y\n");
+        assert_eq!(written("a,b\n-2+3+cmd|'x'!A0,-2\n"), "a,b\n'-2+3+cmd|'x'!A0,-2\n");
         // Other files are none of its business.
         let other = without_formulas(Path::new("a.json"), b"=1,\n".to_vec());
         assert_eq!(other, b"=1,\n");
