@@ -54,6 +54,7 @@ pub use hand_path::{HandPath, postures_at};
 pub use kernel::{GpHyper, InputScale, cross_kernel, lower_kernel, reduced};
 pub use law::{Draw, Floors, PostureLaw, Prediction, Query, Sampler, Sampling};
 pub use lowness::Lowness;
+pub(crate) use model::gaussian_99;
 pub use model::{
     LowPostures, Method, MethodQuality, PostureDistribution, PostureModel, Provenance, joint_group,
 };

@@ -60,6 +60,7 @@ pub mod toy5r;
 mod toy5r_experiment;
 pub mod toy5r_paper;
 mod train;
+mod upright;
 mod way;
 mod weight_spread;
 

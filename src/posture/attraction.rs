@@ -411,7 +411,7 @@ impl Attraction {
         assert_eq!(hands.len(), origins.len(), "one origin for each posture");
         let features = HandFeatures::of_places(hands, stature_m, unit);
         let inputs = hands.iter().map(|h| features.of(h, stature_m)).collect();
-        let bend = lowness.map(|Lowness { from, to }| Bend { from, per: from - to });
+        let bend = lowness.map(|Lowness { from, to, .. }| Bend { from, per: from - to });
         Self::assemble(pull, 1.0, noise, (features, bend), (inputs, origins), postures)
     }
 
@@ -818,7 +818,7 @@ mod tests {
             }
         }
         let pull = (Pull::Metre { length_m: 0.4 }, 0.15, 0.05);
-        let lowness = Some(Lowness { from: 0.0, to: -0.2 });
+        let lowness = Some(Lowness::linear(0.0, -0.2));
         Attraction::of_people(&hands, DMatrix::from_rows(&rows), origins, 1.7, pull, lowness)
     }
 

@@ -441,7 +441,8 @@ mod tests {
         // Repetitions of one person are nearer to each other than those of people are, the more the larger
         // the person's own part is.
         let mut share = |own_share: f64| {
-            model.postures.population = Some(super::super::Population { own_share, people: 400 });
+            model.postures.population =
+                Some(super::super::Population { own_share, people: 400, tail: 1.0 });
             let ends = ends(&model, 24, 96);
             let lasts = vec![0.0; ends.len()];
             let spread = crate::ergonomics::PeopleSpread::of(&ends, &lasts, Some(24)).unwrap();

@@ -167,13 +167,19 @@ impl PostureDistribution {
         factor.l().solve_lower_triangular(&d).map_or(f64::INFINITY, |v| v.norm())
     }
 
-    /// The distance that 1 % of draws exceed: root of the 99 % quantile of chi-squared with n
-    /// degrees of freedom (Wilson and Hilferty 1931, within 0.5 % for n >= 5).
+    /// The distance that 1 % of postures exceed: of a Gaussian's draws, or of people who were left out where that
+    /// is known.
     pub fn unusual_distance(&self) -> f64 {
-        let n = self.mean.len() as f64;
-        let c = 2.0 / (9.0 * n);
-        (n * (1.0 - c + 2.326_347_9 * c.sqrt()).powi(3)).sqrt()
+        gaussian_99(self.mean.len()) * self.population.map_or(1.0, |own| own.tail)
     }
+}
+
+/// Distance that 1 % of draws of a Gaussian in n dimensions exceed: root of the 99 % quantile of chi-squared with n
+/// degrees of freedom (Wilson and Hilferty 1931, within 0.5 % for n >= 5).
+pub(crate) fn gaussian_99(n: usize) -> f64 {
+    let n = n as f64;
+    let c = 2.0 / (9.0 * n);
+    (n * (1.0 - c + 2.326_347_9 * c.sqrt()).powi(3)).sqrt()
 }
 
 /// By what the usual postures of a person differ from those of all.
@@ -352,7 +358,7 @@ mod tests {
         assert!((half.mean - &posture * 0.5).amax() < 1e-12);
         assert!((half.covariance - DMatrix::identity(2, 2) * 0.55).amax() < 1e-12);
         // Wider where the hand is low.
-        let lowness = Lowness { from: 0.0, to: -0.2 };
+        let lowness = Lowness::linear(0.0, -0.2);
         let low = Some(LowPostures { lowness, about_usual: DMatrix::identity(2, 2) * 0.3 });
         let all = PostureDistribution { low, ..all };
         let usual = UsualPosture { posture: posture.clone(), confidence: 1.0, growth: None };

@@ -34,6 +34,14 @@ pub struct Population {
     pub own_share: f64,
     /// P: how many people it was learned from.
     pub people: usize,
+    /// How many times as far as those of a Gaussian the farthest hundredth of postures of people who were left out
+    /// lie from what the others say, at least 1: few people tell a covariance too narrow.
+    #[serde(default = "one")]
+    pub tail: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 impl Population {
@@ -77,6 +85,9 @@ impl Population {
 
     /// Why a model with it cannot be used; none where it can.
     pub(super) fn fault(&self) -> Option<&'static str> {
+        if !(1.0..=1e3).contains(&self.tail) {
+            return Some("the tail of left-out people must be from 1 to 1000");
+        }
         let is_fine = (0.0..1.0).contains(&self.own_share) && self.people > 1;
         (!is_fine).then_some("the share of a person's own must be in [0, 1), of two people or more")
     }
@@ -104,7 +115,7 @@ mod tests {
 
     #[test]
     fn repetitions_of_a_person_have_their_share_in_common() {
-        let population = Population { own_share: 0.3, people: 5 };
+        let population = Population { own_share: 0.3, people: 5, tail: 1.0 };
         let all: Vec<[f64; 2]> = (0..6000u32)
             .map(|p| {
                 let own = population.person((1, 2), p as usize, 1)[0];
@@ -127,7 +138,7 @@ mod tests {
         let (persons, turns) = (32, 4);
         // Of an event with probability 1/2 on levels with correlation s, both of two happen with 1/4 + asin(s) / 2 pi.
         let both = |own_share: f64| {
-            let population = Population { own_share, people: 5 };
+            let population = Population { own_share, people: 5, tail: 1.0 };
             let count = |seed: u64| {
                 let all = population.levels((seed, 3), persons, 0..persons * turns);
                 assert_eq!(population.levels((seed, 3), persons, 40..99), all[40..99]);

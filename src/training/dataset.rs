@@ -352,7 +352,7 @@ impl Dataset {
     pub(super) fn low_places(&self) -> Option<Lowness> {
         let measurer = self.measurer.as_ref().filter(|_| self.is_of_people)?;
         let h = self.coupling.stature_m();
-        Some(Lowness { from: measurer.height(1.0) / h, to: measurer.height(LOW_LEGS) / h })
+        Some(Lowness::linear(measurer.height(1.0) / h, measurer.height(LOW_LEGS) / h))
     }
 
     /// Whether it is of several people, also where only one of them is looked at.

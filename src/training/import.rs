@@ -17,9 +17,9 @@ pub use sizes::{PartSize, Sizes};
 
 use super::dataset::Trial;
 use super::motion_file::{FITTED_MARK, motion_text};
-use super::over_feet::StraightLegs;
 use super::people::sized;
 use super::source::{Source, Whom, from_recording};
+use super::upright::Upright;
 use crate::files::InputError;
 use crate::human::{Body, Coupled, Pelvis, Side};
 use crate::recording::{Map, Reading, Recording, Run, read_runs};
@@ -120,7 +120,7 @@ fn one(runs: &[Run], whom: &Whom) -> Result<ImportedFile, InputError> {
     let done: Result<Vec<ImportedRun>, InputError> = runs
         .par_iter()
         .map(|run| {
-            let source = from_recording(&run.recording, whom, StraightLegs::AS_RECORDED)?;
+            let source = from_recording(&run.recording, whom, Upright::AS_RECORDED)?;
             Ok(ImportedRun {
                 first_frame: run.first_frame,
                 gaps_filled: run.gaps_filled,

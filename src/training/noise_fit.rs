@@ -12,7 +12,7 @@
 //! in which the hand rests.
 
 use super::dataset::{Frame, at_most};
-use super::spread::Residual;
+use super::spread::{Residual, planted_of};
 use crate::math::redundancy::{null_space_basis, weighted_pseudo_inverse};
 use crate::posture::{
     Clock, Drift, LowNoise, Lowness, Noise, NoiseShares, PostureLaw, gain, speed_squared,
@@ -61,6 +61,9 @@ pub fn learn_noise(
     if residuals.is_empty() {
         return no_noise(&[], n, goes_with_hand);
     }
+    // A step moves the pelvis as nothing does in a plan.
+    let residuals = planted_of(residuals, |r| r.frame);
+    let residuals = residuals.as_slice();
     let frames: Vec<&Frame> = residuals.iter().map(|r| r.frame).collect();
     let rms = usual_speed(&frames);
     let plain: Vec<DVector<f64>> =
@@ -548,8 +551,7 @@ mod tests {
         let frames: Vec<&Frame> = data.frames.iter().collect();
         let mut heights: Vec<f64> = frames.iter().map(|f| f.hand.translation.y / 1.6).collect();
         heights.sort_by(f64::total_cmp);
-        let lowness =
-            Lowness { from: heights[heights.len() * 3 / 4], to: heights[heights.len() / 4] };
+        let lowness = Lowness::linear(heights[heights.len() * 3 / 4], heights[heights.len() / 4]);
         let truth = |joint: usize, height: f64| match joint {
             0..12 => 1.0 + lowness.of(height),
             _ => 1.0,

@@ -13,6 +13,7 @@
 //! The frame goes with feet that step, so that hand and pelvis are always told from where the person stands.
 //! Leg lengths take the place of metres: the pelvis of a body of another size bends its knees as much.
 
+use super::upright::{LegTracks, Upright, stepping};
 use crate::files::InputError;
 use crate::human::{Body, Legs, Side, Stance, pelvis_coordinates, pelvis_in_rest};
 use crate::math::pose::{rotation_from_axes, zxy};
@@ -23,14 +24,6 @@ use nalgebra::UnitQuaternion;
 
 /// Share of the frames whose lower ankle is below what counts as an ankle on the floor.
 const ON_FLOOR: f64 = 0.05;
-/// A foot whose ball goes faster than this steps, m/s.
-const STEPPING_M_S: f64 = 0.15;
-
-/// Share of the frames in which hips are no farther from the ankles than where legs are straight.
-const UPRIGHT: f64 = 0.98;
-/// Smallest distance from hip to ankle, over the length of the leg, that straight legs may look like: knees bent by
-/// 32 deg.
-const LEAST_UPRIGHT: f64 = 0.96;
 
 /// A recorded pelvis over its feet.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,98 +38,6 @@ pub(super) struct OverFeet {
     pub shifted: f64,
 }
 
-/// One leg of a recording.
-struct LegTracks<'a> {
-    hip: &'a SegmentTrack,
-    knee: &'a SegmentTrack,
-    foot: &'a SegmentTrack,
-    ball: Option<&'a SegmentTrack>,
-}
-
-impl<'a> LegTracks<'a> {
-    fn of(recording: &'a Recording, side: Side) -> Option<Self> {
-        let track = |part: &str| recording.segment(&format!("{}{part}", side.prefix()));
-        Some(Self {
-            hip: track("UpperLeg")?,
-            knee: track("LowerLeg")?,
-            foot: track("Foot")?,
-            ball: track("Toe"),
-        })
-    }
-
-    /// Hip, knee and ankle.
-    fn points(&self, frame: usize) -> [Vec3; 3] {
-        [self.hip, self.knee, self.foot].map(|t| t.position[frame])
-    }
-
-    /// Hip to knee to ankle, m.
-    fn length_m(&self, frame: usize) -> f64 {
-        let [hip, knee, ankle] = self.points(frame);
-        (knee - hip).norm() + (ankle - knee).norm()
-    }
-
-    /// Hip to ankle over the length of the leg while the person stands upright.
-    fn upright(&self) -> f64 {
-        let span = |i: usize| {
-            let [hip, _, ankle] = self.points(i);
-            (hip - ankle).norm() / self.length_m(i)
-        };
-        let spans: Vec<f64> = (0..self.hip.position.len()).map(span).collect();
-        stats::quantile(&spans, UPRIGHT)
-    }
-
-    /// Ball of the foot, or the ankle where it is not recorded.
-    fn stands_at(&self, frame: usize) -> Vec3 {
-        self.ball.unwrap_or(self.foot).position[frame]
-    }
-}
-
-/// How far apart hip and ankle of the right and the left leg are, over the length of the leg, where a person's knees
-/// are straight. The skeletons of some systems have the knee ahead of the line from hip to ankle, so that everybody
-/// who stands looks bent by 20 deg and more.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct StraightLegs([f64; 2]);
-
-impl StraightLegs {
-    /// As the joint centres say.
-    pub(super) const AS_RECORDED: Self = Self([1.0; 2]);
-
-    /// Of a person in several recordings, who stands upright in one of them; as recorded where there is but one,
-    /// where the person may have stood on bent knees all the time.
-    pub(super) fn of(recordings: &[Recording]) -> Self {
-        if recordings.len() < 2 {
-            return Self::AS_RECORDED;
-        }
-        let of = |side: Side| {
-            let legs = recordings.iter().filter_map(|r| LegTracks::of(r, side));
-            let most = legs.map(|leg| leg.upright()).filter(|s| s.is_finite());
-            most.fold(0.0, f64::max).clamp(LEAST_UPRIGHT, 1.0)
-        };
-        Self([of(Side::Right), of(Side::Left)])
-    }
-
-    /// How far straight knees look bent, of the side where they do so more, deg.
-    pub(super) fn look_bent_deg(&self) -> f64 {
-        let bend = |share: &f64| 2.0 * share.acos().to_degrees();
-        self.0.iter().map(bend).fold(0.0, f64::max)
-    }
-
-    /// Flexion of the right and the left knee from hip, knee and ankle, rad.
-    pub(super) fn knees_rad(&self, legs: [[Vec3; 3]; 2]) -> [f64; 2] {
-        [0, 1].map(|side| knee_rad(legs[side], self.0[side]))
-    }
-}
-
-/// Flexion of a knee from hip, knee and ankle, rad, of a leg that is straight where hip and ankle are `straight`
-/// apart, over its length.
-fn knee_rad([hip, knee, ankle]: [Vec3; 3], straight: f64) -> f64 {
-    let (thigh, shank) = ((knee - hip).norm(), (ankle - knee).norm());
-    let span = (ankle - hip).norm() / straight;
-    // Law of cosines; what is not a number stays so.
-    let cosine = (span * span - thigh * thigh - shank * shank) / (2.0 * thigh * shank);
-    if cosine > 1.0 { 0.0 } else { cosine.acos() }
-}
-
 /// The pelvis of a recorded person over the feet, in a body; none where a recording holds no legs.
 ///
 /// # Errors
@@ -144,7 +45,7 @@ fn knee_rad([hip, knee, ankle]: [Vec3; 3], straight: f64) -> f64 {
 pub(super) fn over_feet(
     recording: &Recording,
     body: &Body,
-    straight: StraightLegs,
+    upright: Upright,
     cutoff_hz: f64,
 ) -> Result<Option<OverFeet>, InputError> {
     let legs = [Side::Right, Side::Left].map(|side| LegTracks::of(recording, side));
@@ -169,15 +70,16 @@ pub(super) fn over_feet(
         let turn = rotation_from_axes(axes, Vec3::z(), axes.cross(&Vec3::z())).inverse();
         let hip = turn * (between(&|leg| leg.hip.position[i]) - origin) * scale;
         let rotation = turn * pelvis.rotation[i];
-        // Where the body's pelvis is when its hips are there.
-        let at = stand + hip - rotation * own.between_hips();
+        // Where the body's pelvis is when its spine, and so its weight, is there.
+        let hips = own.between_hips() + Vec3::x() * (upright.hips_ahead * own.length_m());
+        let at = stand + hip - rotation * hips;
         Pose::from_parts(at.into(), rotation)
     };
     let mut shifted = 0.0f64;
     let mut raw = Vec::with_capacity(count);
     for i in 0..count {
         let there = in_feet(i);
-        let [one, other] = straight.knees_rad(sides.map(|leg| leg.points(i)));
+        let [one, other] = upright.knees_rad(sides.map(|leg| leg.points(i)));
         let pelvis = own.bent_so(&there, 0.5 * (one + other));
         let by_m = pelvis.translation.y - there.translation.y;
         shifted = shifted.max(by_m.abs() / body.leg_m());
@@ -243,18 +145,6 @@ fn ahead(sides: [&LegTracks; 2], pelvis: &SegmentTrack, i: usize) -> Vec3 {
     if sum.norm() > 1e-6 { sum.normalize() } else { facing }
 }
 
-/// Whether the ball of a foot moves at each frame.
-fn stepping(sides: [&LegTracks; 2], rate_hz: f64) -> Vec<bool> {
-    let count = sides[0].foot.position.len();
-    let moves = |i: usize| {
-        sides.iter().any(|leg| {
-            let way = leg.stands_at(i + 1) - leg.stands_at(i - 1);
-            0.5 * way.norm() * rate_hz > STEPPING_M_S
-        })
-    };
-    (0..count).map(|i| i > 0 && i + 1 < count && moves(i)).collect()
-}
-
 impl OverFeet {
     /// Share of the frames in which a foot steps.
     pub(super) fn stepping_share(&self) -> f64 {
@@ -269,7 +159,7 @@ mod tests {
     use crate::human::{Coupled, Head, Pelvis, Skeleton};
     use std::path::Path;
 
-    const PARTS: [&str; 9] = [
+    const PARTS: [&str; 10] = [
         "Pelvis",
         "RightUpperLeg",
         "RightLowerLeg",
@@ -279,6 +169,7 @@ mod tests {
         "LeftLowerLeg",
         "LeftFoot",
         "LeftToe",
+        "T8",
     ];
     /// Pelvis forward, up, right, and turned about Z, X, Y; heels stay down.
     const STOOPED: [f64; 6] = [-0.08, -0.05, 0.03, -0.6, 0.05, -0.1];
@@ -315,7 +206,7 @@ mod tests {
     }
 
     fn found(recording: &Recording, body: &Body) -> OverFeet {
-        over_feet(recording, body, StraightLegs::AS_RECORDED, 6.0).unwrap().unwrap()
+        over_feet(recording, body, Upright::AS_RECORDED, 6.0).unwrap().unwrap()
     }
 
     fn departure(a: &[f64; 6], b: &[f64; 6]) -> f64 {
@@ -396,25 +287,27 @@ mod tests {
             for track in recording.segments.iter_mut().filter(|t| t.name.starts_with("RightFoot")) {
                 track.position.iter_mut().for_each(|at| at.x += apart_m);
             }
-            let recorded = mean_knee(&recording, StraightLegs::AS_RECORDED);
+            let recorded = mean_knee(&recording, Upright::AS_RECORDED);
             let seen = found(&recording, &own);
             assert!((bent(&seen) - recorded).abs() < 1e-4, "{} {recorded}", bent(&seen));
         }
     }
 
     /// Mean flexion of both knees, rad.
-    fn mean_knee(recording: &Recording, straight: StraightLegs) -> f64 {
+    fn mean_knee(recording: &Recording, stood: Upright) -> f64 {
         let legs = [Side::Right, Side::Left].map(|s| LegTracks::of(recording, s).unwrap());
-        straight.knees_rad(legs.map(|leg| leg.points(17))).iter().sum::<f64>() / 2.0
+        stood.knees_rad(legs.map(|leg| leg.points(17))).iter().sum::<f64>() / 2.0
     }
 
     #[test]
     fn who_stands_on_knees_that_look_bent_stands_on_straight_ones() {
         let own = body("female_p50");
         let bent = |down: f64| record(&own, [0.0, -down, 0.0, 0.0, 0.0, 0.0], 30);
-        let as_it_is = |recording: &Recording| mean_knee(recording, StraightLegs::AS_RECORDED);
+        let as_it_is = |recording: &Recording| mean_knee(recording, Upright::AS_RECORDED);
         let (upright, crouched) = (bent(0.02), bent(0.2));
-        let straight = StraightLegs::of(&[crouched.clone(), upright.clone()]);
+        let straight = Upright::of(&[crouched.clone(), upright.clone()]);
+        let twice = Upright::of(&[crouched.clone(), upright.clone(), upright.clone()]);
+        assert_eq!(straight, twice);
         assert!((straight.look_bent_deg() - as_it_is(&upright).to_degrees()).abs() < 1.0);
         assert!(as_it_is(&upright) > 0.35 && mean_knee(&upright, straight) < 1e-3);
         // The law of cosines with legs that are shorter by what straight ones look short.
@@ -425,10 +318,59 @@ mod tests {
         let [right, _] = legs.postures(&pelvis_in_rest(&told.pelvis[17], own.leg_m()));
         assert!(right.knee.abs() < 0.02, "{}", right.knee);
         // One recording alone may be of somebody who never stood upright, and nobody stands on such knees.
-        assert_eq!(StraightLegs::of(&[upright]), StraightLegs::AS_RECORDED);
-        let never = StraightLegs::of(&[crouched.clone(), crouched.clone()]);
+        assert_eq!(Upright::of(&[upright]), Upright::AS_RECORDED);
+        let never = Upright::of(&[crouched.clone(), crouched.clone()]);
         assert!((never.look_bent_deg() - 32.5).abs() < 0.1, "{}", never.look_bent_deg());
         assert!(mean_knee(&crouched, never) > 0.5);
+    }
+
+    #[test]
+    fn hips_that_were_recorded_ahead_of_the_spine_are_put_below_it() {
+        let own = body("female_p50");
+        let ahead_m = 0.05;
+        let of = |pelvis: [f64; 6]| {
+            let mut recording = record(&own, pelvis, 60);
+            let turn = recording.segment("Pelvis").unwrap().rotation[0];
+            for track in &mut recording.segments {
+                if track.name.ends_with("UpperLeg") || track.name == "Pelvis" {
+                    track.position.iter_mut().for_each(|at| *at += turn * Vec3::x() * ahead_m);
+                }
+            }
+            recording
+        };
+        let all = [[0.0; 6], [0.01, 0.0, 0.0, 0.0, 0.0, 0.0], STOOPED].map(of);
+        let stood = Upright::of(&all);
+        let leg_m = Legs::new(&own, Stance::Standing { shoe_m: 0.0 }).unwrap().length_m();
+        assert!((stood.hips_ahead - ahead_m / leg_m).abs() < 1e-3, "{stood:?}");
+        let seen = over_feet(&stood.levelled(&all[2]), &own, stood, 6.0).unwrap().unwrap();
+        // But for its height, which the knees tell; these are of legs that hips elsewhere make longer by a hundredth.
+        let off = |seen: &OverFeet, i: usize| (seen.pelvis[17][i] - STOOPED[i]).abs();
+        for i in [0, 2, 3, 4, 5] {
+            assert!(off(&seen, i) < 0.012, "{i}: {:?}", seen.pelvis[17]);
+        }
+        assert!(off(&found(&all[2], &own), 0) > 3.0 * off(&seen, 0));
+        // Somebody who was only seen to stoop may have the hips there.
+        assert_eq!(Upright::of(&[of(STOOPED), of(STOOPED)]).hips_ahead, 0.0);
+        assert_eq!(Upright::of(&[of([0.0; 6])]), Upright::AS_RECORDED);
+    }
+
+    #[test]
+    fn a_pelvis_that_never_looks_level_is_level_where_the_person_stands_erect() {
+        let own = body("female_p50");
+        let inclined = UnitQuaternion::from_euler_angles(0.1, 0.0, -0.2);
+        let of = |pelvis: [f64; 6]| {
+            let mut recording = record(&own, pelvis, 60);
+            for track in recording.segments.iter_mut().filter(|t| t.name == "Pelvis") {
+                track.rotation.iter_mut().for_each(|r| *r *= inclined);
+            }
+            recording
+        };
+        let all = [[0.0; 6], [0.01, 0.0, 0.0, 0.0, 0.0, 0.0], STOOPED].map(of);
+        let stood = Upright::of(&all);
+        assert!((stood.looks_inclined_deg() - inclined.angle().to_degrees()).abs() < 0.1);
+        assert!(stood.hips_ahead.abs() < 1e-3, "{stood:?}");
+        let seen = over_feet(&stood.levelled(&all[2]), &own, stood, 6.0).unwrap().unwrap();
+        assert!(departure(&seen.pelvis[17], &STOOPED) < 0.03, "{:?}", seen.pelvis[17]);
     }
 
     #[test]
@@ -437,9 +379,9 @@ mod tests {
         let mut recording = record(&own, [0.0; 6], 30);
         let mut lost = recording.clone();
         lost.segments[1].position[9].x = f64::NAN;
-        let error = over_feet(&lost, &own, StraightLegs::AS_RECORDED, 6.0).unwrap_err();
+        let error = over_feet(&lost, &own, Upright::AS_RECORDED, 6.0).unwrap_err();
         assert!(error.message().contains("holds a leg"), "{error}");
         recording.segments.retain(|t| t.name != "LeftFoot");
-        assert_eq!(over_feet(&recording, &own, StraightLegs::AS_RECORDED, 6.0).unwrap(), None);
+        assert_eq!(over_feet(&recording, &own, Upright::AS_RECORDED, 6.0).unwrap(), None);
     }
 }

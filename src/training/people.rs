@@ -29,9 +29,9 @@ pub use summary::{Known, RiskAgreement, coverage};
 
 use super::dataset::{Dataset, Trial};
 pub use super::measurer::{FEATURES, Features};
-use super::over_feet::StraightLegs;
 use super::source::{Source, Whom, from_recording, refuse_twice};
 pub use super::standing::StandingScore;
+use super::upright::Upright;
 use crate::files::InputError;
 use crate::human::{Body, BodySize, Coupled, Pelvis, Side};
 use crate::kinematics::Frames;
@@ -114,14 +114,15 @@ fn read_one(entry: &file::Entry) -> Result<Person, InputError> {
     };
     let whom =
         Whom { person: None, side: entry.side, body: &body, pelvis: Some(Pelvis::Moves), map };
-    let straight = StraightLegs::of(&recordings);
+    let upright = Upright::of(&recordings);
+    let recordings: Vec<Recording> = recordings.iter().map(|r| upright.levelled(r)).collect();
     let read: Result<Vec<(Movement, Source)>, InputError> = entry
         .recordings
         .par_iter()
         .zip(&recordings)
         .map(|(path, recording)| {
-            let source = from_recording(recording, &whom, straight)?;
-            let seen = recorded(recording, entry.side, straight)?;
+            let source = from_recording(recording, &whom, upright)?;
+            let seen = recorded(recording, entry.side, upright)?;
             let trial = source.trials.first().cloned();
             let trial = trial.ok_or_else(|| InputError::new(path, "holds no movement"))?;
             Ok((Movement { trial, seen }, source))

@@ -5,7 +5,8 @@ use super::filled::fill_pelvis;
 use super::fit::{FitSettings, fit};
 use super::fit_report::FitReport;
 use super::motion_file::read_motion;
-use super::over_feet::{OverFeet, StraightLegs, over_feet, turns_where_it_faces};
+use super::over_feet::{OverFeet, over_feet, turns_where_it_faces};
+use super::upright::Upright;
 use crate::files::InputError;
 use crate::human::{Body, Pelvis, Side};
 use crate::posture::Provenance;
@@ -129,7 +130,7 @@ pub fn read_source(path: &Path, whom: &Whom) -> Result<Source, InputError> {
 
 /// Fits the body to the runs of a recording between its long gaps, each a trial of its own.
 fn from_runs(runs: &[Run], whom: &Whom) -> Result<Source, InputError> {
-    let as_recorded = StraightLegs::AS_RECORDED;
+    let as_recorded = Upright::AS_RECORDED;
     let fitted: Result<Vec<Source>, InputError> =
         runs.iter().map(|run| from_recording(&run.recording, whom, as_recorded)).collect();
     let mut fitted = fitted?;
@@ -161,7 +162,7 @@ fn from_runs(runs: &[Run], whom: &Whom) -> Result<Source, InputError> {
 pub(super) fn from_recording(
     recording: &Recording,
     whom: &Whom,
-    straight: StraightLegs,
+    upright: Upright,
 ) -> Result<Source, InputError> {
     let settings = FitSettings::default();
     let motion = fit(recording, whom.body, whom.side, &settings)?;
@@ -170,9 +171,9 @@ pub(super) fn from_recording(
         recording.remarks.iter().chain(&report.remarks).cloned().collect();
     let mut trial = Trial::from(&motion);
     if whom.pelvis != Some(Pelvis::Rests) {
-        if let Some(standing) = over_feet(recording, whom.body, straight, settings.cutoff_hz)? {
+        if let Some(standing) = over_feet(recording, whom.body, upright, settings.cutoff_hz)? {
             remarks.extend(standing_remarks(&standing));
-            remarks.extend(straight_remark(straight));
+            remarks.extend(upright_remarks(upright, standing.leg_m));
             trial = Trial { stepping: standing.stepping, ..trial.on_pelvis(&standing.pelvis) };
         } else if whom.pelvis.is_some() {
             return Err(InputError::new(&recording.source, "does not hold both legs")
@@ -232,18 +233,38 @@ fn standing_remarks(standing: &OverFeet) -> Vec<Remark> {
     remarks
 }
 
-/// What a reader should know of knees that count as straight where they look bent.
-fn straight_remark(straight: StraightLegs) -> Option<Remark> {
-    /// Flexion that is worth a word, deg.
+/// What a reader should know of joint centres that were seen to lie elsewhere than a body's; `leg_m` is the leg.
+fn upright_remarks(upright: Upright, leg_m: f64) -> Vec<Remark> {
+    /// Flexion that is worth a word, deg, and distance, cm.
     const WORTH_A_WORD_DEG: f64 = 10.0;
-    let bent = straight.look_bent_deg();
-    (bent > WORTH_A_WORD_DEG).then(|| {
+    const WORTH_A_WORD_CM: f64 = 2.0;
+    let mut remarks = Vec::new();
+    let bent = upright.look_bent_deg();
+    if bent > WORTH_A_WORD_DEG {
         let text = format!(
-            "where this person stands tallest in all recordings the knees look bent by {bent:.0} deg: there they count as \
-             straight, as the joint centres of some systems lie ahead of the knee"
+            "where this person stands tallest the knees look bent by {bent:.0} deg: there they count as straight, as the joint \
+             centres of some systems lie ahead of the knee"
         );
-        Remark::new("straight knees", text).of_size(bent)
-    })
+        remarks.push(Remark::new("straight knees", text).of_size(bent));
+    }
+    let inclined = upright.looks_inclined_deg();
+    if inclined > WORTH_A_WORD_DEG {
+        let text = format!(
+            "where this person stands erect the pelvis looks inclined by {inclined:.0} deg: there it counts as level"
+        );
+        remarks.push(Remark::new("level pelvis", text).of_size(inclined));
+    }
+    let ahead_cm = 100.0 * upright.hips_ahead * leg_m;
+    if ahead_cm.abs() > WORTH_A_WORD_CM {
+        let text = format!(
+            "where this person stands erect the hips lie {:.0} cm {} the line of the spine, those of the body in it: the trunk \
+             is put where it was recorded",
+            ahead_cm.abs(),
+            if ahead_cm > 0.0 { "ahead of" } else { "behind" }
+        );
+        remarks.push(Remark::new("hips and spine", text).of_size(ahead_cm.abs()));
+    }
+    remarks
 }
 
 /// One recording without legs leaves every pelvis at rest.

@@ -15,10 +15,11 @@ use super::methods::{Law, learn_laws, singular};
 use super::settings::{PullRule, TrainSettings};
 use super::way::{rounded, rounded_lowness};
 use crate::files::InputError;
-use crate::math::Pose;
-use crate::math::Vec3;
+use crate::math::dense::Factor;
+use crate::math::{Pose, Vec3, stats};
 use crate::posture::{
-    Attraction, LowPostures, Method, Origin, Population, PostureDistribution, Pull,
+    Attraction, LowPostures, Lowness, Method, Origin, Population, PostureDistribution, Pull,
+    gaussian_99,
 };
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
@@ -35,6 +36,12 @@ const LEAST_POSTURE_FLOOR_RAD: f64 = 0.1 * POSTURE_FLOOR_RAD;
 /// Most that can be a person's own: repetitions of nobody are alike.
 const MOST_OWN: f64 = 0.95;
 
+/// How many times the variance of postures is as large where hands are low, in between (see [`Lowness`]).
+const RATIOS: [f64; 4] = [1.0, 8.0, 32.0, 128.0];
+/// By how much more covariances about usual postures of people are shrunk to their diagonals: few people tell the
+/// narrow directions of a covariance too narrow.
+const MORE_SHRUNK: [f64; 5] = [0.0, 0.2, 0.4, 0.6, 0.8];
+
 /// What is left of a frame's joint velocity.
 #[derive(Debug, Clone)]
 pub struct Residual<'a> {
@@ -46,12 +53,16 @@ pub struct Residual<'a> {
     pub growth: DVector<f64>,
 }
 
-/// Frames in which both feet stand, as they do in a plan; all where there are too few of them.
-fn planted<'a>(frames: &[&'a Frame]) -> Vec<&'a Frame> {
+/// Of some things those in whose frame both feet stand, as they do in a plan; all where there are too few of them.
+pub(super) fn planted_of<T: Clone>(all: &[T], frame: impl Fn(&T) -> &Frame) -> Vec<T> {
     /// Share of the frames.
     const FEWEST: f64 = 0.2;
-    let planted: Vec<&Frame> = frames.iter().copied().filter(|f| !f.is_stepping).collect();
-    if (planted.len() as f64) < FEWEST * frames.len() as f64 { frames.to_vec() } else { planted }
+    let planted: Vec<T> = all.iter().filter(|t| !frame(t).is_stepping).cloned().collect();
+    if (planted.len() as f64) < FEWEST * all.len() as f64 { all.to_vec() } else { planted }
+}
+
+fn planted<'a>(frames: &[&'a Frame]) -> Vec<&'a Frame> {
+    planted_of(frames, |f| f)
 }
 
 /// The pull of the settings towards the postures of these frames; none when it is switched off.
@@ -157,6 +168,11 @@ pub fn learn_postures(frames: &[&Frame]) -> PostureDistribution {
     PostureDistribution::anywhere(mean, shrunk(covariance(&centred), POSTURE_FLOOR_RAD))
 }
 
+/// Nearer to its diagonal by a share.
+fn nearer_diagonal(full: &DMatrix<f64>, share: f64) -> DMatrix<f64> {
+    full * (1.0 - share) + DMatrix::from_diagonal(&full.diagonal()) * share
+}
+
 /// With a floor that is not below `least`, rad.
 fn shrunk(full: DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let diagonal = DMatrix::from_diagonal(&full.diagonal());
@@ -170,8 +186,9 @@ fn shrunk(full: DMatrix<f64>, least: f64) -> DMatrix<f64> {
 struct Departure {
     /// How well the usual posture is known there.
     known: f64,
-    /// How low the hand is.
+    /// How low the hand is, and its height (rest frame, over stature).
     low: f64,
+    height: f64,
     off: DVector<f64>,
     /// Which movement it is of, and where the hand is, over stature.
     movement: usize,
@@ -205,7 +222,6 @@ fn about_usual(dataset: &Dataset, settings: &TrainSettings) -> Option<Spread> {
         let hands: Vec<Pose> = test.iter().map(|f| f.hand).collect();
         let usual = attraction.usual_postures(&hands, stature_m);
         let departures = test.into_iter().zip(usual).map(|(frame, usual)| {
-            let low = lowness.map_or(0.0, |l| l.of(frame.hand.translation.y / stature_m));
             let off = &frame.q - &usual.posture;
             // Where less is known people are farther off: as far as the regression says.
             let (known, off) = match usual.growth {
@@ -214,7 +230,8 @@ fn about_usual(dataset: &Dataset, settings: &TrainSettings) -> Option<Spread> {
             };
             Departure {
                 known,
-                low,
+                low: 0.0,
+                height: frame.hand.translation.y / stature_m,
                 off,
                 movement: frame.trial,
                 place: frame.hand.translation.vector / stature_m,
@@ -222,22 +239,52 @@ fn about_usual(dataset: &Dataset, settings: &TrainSettings) -> Option<Spread> {
         });
         folds.push(departures.collect());
     }
-    let all: Vec<&Departure> = folds.iter().flatten().collect();
     let least = if dataset.is_of_people() { LEAST_POSTURE_FLOOR_RAD } else { POSTURE_FLOOR_RAD };
-    let whole = spread_of(&all, least, |_| 1.0)?;
-    let low = lowness.filter(|_| is_likelier_by_height(&folds, least));
+    let (low, more) =
+        if dataset.is_of_people() { likeliest(&mut folds, lowness, least) } else { (None, 0.0) };
+    let all: Vec<&Departure> = folds.iter().flatten().collect();
+    let whole = nearer_diagonal(&spread_of(&all, least, |_| 1.0)?, more);
     let (covariance, low) = match low.and_then(|lowness| Some((lowness, by_height(&all, least)?))) {
-        Some((lowness, [high, about_usual])) => (high, Some(LowPostures { lowness, about_usual })),
+        Some((lowness, both)) => {
+            let [high, about_usual] = both.map(|own| nearer_diagonal(&own, more));
+            (high, Some(LowPostures { lowness, about_usual }))
+        }
         None => (whole, None),
     };
     let population = if dataset.is_of_people() && folds.len() > 1 {
         let below = low.as_ref().map(|low| &low.about_usual);
         let own_share = own_share(&folds, (&covariance, below), settings.place_length)?;
-        Some(Population { own_share, people: folds.len() })
+        let tail = tail(&folds, (low.is_some(), more), least)?;
+        Some(Population { own_share, people: folds.len(), tail })
     } else {
         None
     };
     Some((covariance, low, population))
+}
+
+/// How many times as far as those of a Gaussian the farthest hundredth of departures that were left out lie from what
+/// the others say, at least 1.
+fn tail(folds: &[Vec<Departure>], (by_low, more): (bool, f64), least: f64) -> Option<f64> {
+    /// Share of the departures that are usual.
+    const USUAL: f64 = 0.99;
+    let mut distances = Vec::new();
+    for (left_out, own) in folds.iter().enumerate() {
+        let others = folds.iter().enumerate().filter(|(f, _)| *f != left_out);
+        let others: Vec<&Departure> = others.flat_map(|(_, own)| own).collect();
+        let both = if by_low {
+            by_height(&others, least)?
+        } else {
+            let whole = spread_of(&others, least, |_| 1.0)?;
+            [whole.clone(), whole]
+        };
+        let [high, low] = both.map(|own| nearer_diagonal(&own, more));
+        for d in own {
+            let factor = (&high * (1.0 - d.low) + &low * d.low).cholesky()?;
+            distances.push(factor.l().solve_lower_triangular(&d.off)?.norm());
+        }
+    }
+    let n = folds.iter().flatten().next()?.off.len();
+    Some((stats::quantile(&distances, USUAL) / gaussian_99(n)).max(1.0))
 }
 
 /// Share of the variance about the usual posture that other movements of the same person have in common, at
@@ -287,25 +334,99 @@ fn spread_of(
     (known > 0.0).then(|| shrunk(sum / known, least))
 }
 
-/// Of hands that are not low, and of those that are.
+/// Of hands that are not low, and of those that are: the likeliest `A` and `B` where a departure at lowness `s` has
+/// the covariance `(1 - s) A + s B`, found by expectation maximisation with a departure as the sum of two of which
+/// neither is seen.
 fn by_height(all: &[&Departure], least: f64) -> Option<[DMatrix<f64>; 2]> {
-    Some([spread_of(all, least, |d| 1.0 - d.low)?, spread_of(all, least, |d| d.low)?])
+    /// From the moments on, which take what lies in between for both.
+    const PASSES: usize = 12;
+    let mut both = [spread_of(all, least, |d| 1.0 - d.low)?, spread_of(all, least, |d| d.low)?];
+    let share = |d: &Departure, part: usize| if part == 0 { 1.0 - d.low } else { d.low };
+    for _ in 0..PASSES {
+        let n = both[0].nrows();
+        let (mut sums, mut known) = ([DMatrix::zeros(n, n), DMatrix::zeros(n, n)], [0.0; 2]);
+        for d in all {
+            let here = &both[0] * share(d, 0) + &both[1] * share(d, 1);
+            let factor = Factor::new(&here)?;
+            let white = factor.solve(&DMatrix::from_column_slice(n, 1, d.off.as_slice()));
+            for part in 0..2 {
+                let share = share(d, part);
+                if share == 0.0 {
+                    continue;
+                }
+                // Given the departure: its mean, and what is left of its covariance.
+                let mean = &both[part] * white.column(0) * share.sqrt();
+                sums[part].ger(d.known, &mean, &mean, 1.0);
+                if share < 1.0 {
+                    let explained = factor.solve(&both[part]).tr_mul(&both[part]) * share;
+                    sums[part] += (&both[part] - explained) * d.known;
+                }
+                known[part] += d.known;
+            }
+        }
+        for part in 0..2 {
+            if known[part] > 0.0 {
+                both[part] = shrunk(&sums[part] / known[part], least);
+            }
+        }
+    }
+    Some(both)
 }
 
-/// Whether departures that were left out are likelier where their spread goes by the height of the hand.
-fn is_likelier_by_height(folds: &[Vec<Departure>], least: f64) -> bool {
-    let gain = |left_out: usize| -> Option<f64> {
+/// How the spread of departures goes by the height of the hand, and by how much more it is shrunk, so that those
+/// that were left out are likeliest; with that lowness in each of them. No lowness where they are likelier with the
+/// same spread everywhere.
+fn likeliest(
+    folds: &mut [Vec<Departure>],
+    lowness: Option<Lowness>,
+    least: f64,
+) -> (Option<Lowness>, f64) {
+    let mut best = (0.0, None, 0.0);
+    let mut consider = |gains: Option<Vec<f64>>, lowness: Option<Lowness>| {
+        for (gain, more) in gains.into_iter().flatten().zip(MORE_SHRUNK) {
+            if gain > best.0 {
+                best = (gain, lowness, more);
+            }
+        }
+    };
+    let everywhere = |all: &[&Departure]| spread_of(all, least, |_| 1.0).map(|c| [c.clone(), c]);
+    consider(gains(folds, least, everywhere), None);
+    for tried in lowness.iter().flat_map(|l| RATIOS.map(|ratio| Lowness { ratio, ..*l })) {
+        set_low(folds, tried);
+        consider(gains(folds, least, |all| by_height(all, least)), Some(tried));
+    }
+    if let Some(lowness) = best.1 {
+        set_low(folds, lowness);
+    }
+    (best.1, best.2)
+}
+
+fn set_low(folds: &mut [Vec<Departure>], lowness: Lowness) {
+    folds.iter_mut().flatten().for_each(|d| d.low = lowness.of(d.height));
+}
+
+/// By how much departures that were left out are likelier than with one spread everywhere, in logarithms, where
+/// their spreads are what `fit` says of the others, shrunk more and more.
+fn gains(
+    folds: &[Vec<Departure>],
+    least: f64,
+    fit: impl Fn(&[&Departure]) -> Option<[DMatrix<f64>; 2]>,
+) -> Option<Vec<f64>> {
+    let mut gains = vec![0.0; MORE_SHRUNK.len()];
+    for (left_out, own) in folds.iter().enumerate() {
         let others = folds.iter().enumerate().filter(|(f, _)| *f != left_out);
         let others: Vec<&Departure> = others.flat_map(|(_, own)| own).collect();
         let whole = spread_of(&others, least, |_| 1.0)?;
-        let [high, low] = by_height(&others, least)?;
-        let own = folds[left_out].iter().map(|d| {
-            let here = &high * (1.0 - d.low) + &low * d.low;
-            Some(d.known * (log_density(&here, &d.off)? - log_density(&whole, &d.off)?))
-        });
-        own.sum()
-    };
-    (0..folds.len()).map(gain).sum::<Option<f64>>().is_some_and(|gain| gain > 0.0)
+        let both = fit(&others)?;
+        for (gain, more) in gains.iter_mut().zip(MORE_SHRUNK) {
+            let [high, low] = both.each_ref().map(|own| nearer_diagonal(own, more));
+            for d in own {
+                let here = &high * (1.0 - d.low) + &low * d.low;
+                *gain += d.known * (log_density(&here, &d.off)? - log_density(&whole, &d.off)?);
+            }
+        }
+    }
+    Some(gains)
 }
 
 /// Logarithm of a Gaussian's density about zero, but for a constant.
@@ -339,7 +460,7 @@ mod tests {
                 let sd = 0.1 + (sd_low - 0.1) * low;
                 let off = DVector::from_vec(crate::math::stream::normals(rng, 3)) * sd;
                 let (movement, place) = (i / 20, Vec3::zeros());
-                Departure { known: 1.0, low, off, movement, place }
+                Departure { known: 1.0, low, height: -low, off, movement, place }
             };
             let fold = |f: u64| {
                 let mut rng = stream(f, Purpose::Simulation, 3, 0);
@@ -347,9 +468,12 @@ mod tests {
             };
             (0..4).map(fold).collect()
         };
-        assert!(!is_likelier_by_height(&folds(0.1), POSTURE_FLOOR_RAD));
-        let two = folds(0.3);
-        assert!(is_likelier_by_height(&two, POSTURE_FLOOR_RAD));
+        let lowness = Lowness::linear(0.0, -1.0);
+        assert_eq!(likeliest(&mut folds(0.1), Some(lowness), POSTURE_FLOOR_RAD).0, None);
+        let mut two = folds(0.3);
+        // Nothing lies in between that would tell one way there from another.
+        let (found, _) = likeliest(&mut two, Some(lowness), POSTURE_FLOOR_RAD);
+        assert_eq!(found, Some(lowness));
         let [high, low] =
             by_height(&two.iter().flatten().collect::<Vec<_>>(), POSTURE_FLOOR_RAD).unwrap();
         let floor = POSTURE_FLOOR_RAD.powi(2);
@@ -359,6 +483,56 @@ mod tests {
         let off = DVector::from_vec(vec![1.0, 2.0]);
         let density = log_density(&DMatrix::identity(2, 2), &off).unwrap();
         assert!((density + 2.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_covariance_of_few_is_shrunk_and_one_of_many_is_not() {
+        // Two coordinates that go together, and six that know of nobody.
+        let shrunk = |each: usize| {
+            let fold = |f: u64| {
+                let mut rng = stream(f, Purpose::Simulation, 3, 0);
+                let departure = |_| {
+                    let z = crate::math::stream::normals(&mut rng, 8);
+                    let mut off = DVector::from_vec(z) * 0.1;
+                    off[1] = 0.8 * off[0] + 0.6 * off[1];
+                    let place = Vec3::zeros();
+                    Departure { known: 1.0, low: 0.0, height: 0.0, off, movement: 0, place }
+                };
+                (0..each).map(departure).collect::<Vec<_>>()
+            };
+            likeliest(&mut (0..4).map(fold).collect::<Vec<_>>(), None, POSTURE_FLOOR_RAD).1
+        };
+        assert!(shrunk(4) >= 0.2, "{}", shrunk(4));
+        assert_eq!(shrunk(400), 0.0);
+    }
+
+    #[test]
+    fn how_a_spread_grows_on_the_way_down_is_found() {
+        let grown = |ratio: f64| {
+            let lowness = Lowness { ratio, ..Lowness::linear(0.0, -1.0) };
+            let fold = |f: u64| {
+                let mut rng = stream(f, Purpose::Simulation, 3, 0);
+                let departure = |i: usize| {
+                    let height = -f64::from(u8::try_from(i % 11).unwrap()) / 10.0;
+                    let sd = (0.01 + 0.15 * lowness.of(height)).sqrt();
+                    let off = DVector::from_vec(crate::math::stream::normals(&mut rng, 3)) * sd;
+                    Departure {
+                        known: 1.0,
+                        low: 0.0,
+                        height,
+                        off,
+                        movement: 0,
+                        place: Vec3::zeros(),
+                    }
+                };
+                (0..400).map(departure).collect::<Vec<_>>()
+            };
+            let mut folds: Vec<_> = (0..4).map(fold).collect();
+            let lowness = Some(Lowness::linear(0.0, -1.0));
+            likeliest(&mut folds, lowness, POSTURE_FLOOR_RAD).0.unwrap().ratio
+        };
+        assert_eq!(grown(1.0), 1.0);
+        assert!([8.0, 32.0].contains(&grown(16.0)), "{}", grown(16.0));
     }
 
     #[test]

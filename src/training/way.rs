@@ -58,15 +58,17 @@ pub(super) fn learn_way(
             lowness: rounded_lowness(low.lowness),
             about_usual: short(low.about_usual),
         }),
-        population: postures
-            .population
-            .map(|own| Population { own_share: rounded(own.own_share, POPULATION_DIGITS), ..own }),
+        population: postures.population.map(|own| Population {
+            own_share: rounded(own.own_share, POPULATION_DIGITS),
+            tail: rounded(own.tail, POPULATION_DIGITS),
+            ..own
+        }),
     };
     (law, postures)
 }
 
 pub(super) fn rounded_lowness(lowness: Lowness) -> Lowness {
-    Lowness { from: rounded(lowness.from, DIGITS), to: rounded(lowness.to, DIGITS) }
+    Lowness { from: rounded(lowness.from, DIGITS), to: rounded(lowness.to, DIGITS), ..lowness }
 }
 
 fn rounded_clock(clock: Clock) -> Clock {

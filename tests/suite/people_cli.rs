@@ -52,8 +52,9 @@ fn recorded_people_teach_a_whole_person_and_are_predicted() {
     for movement in found["persons"][0]["movements"].as_array().unwrap() {
         let fit: Vec<f64> =
             movement["fit_rms"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-        // Its knees bend as recorded, so that feet that stood apart cost some centimetres at the hips.
-        assert!(fit[0] < 4.0 && fit[4] < 2.0, "{fit:?}");
+        // Its knees bend as recorded, so that feet that stood apart cost some centimetres at the hips; but both can
+        // be straight on a level pelvis only: 3 mm between the hips are ten degrees of a knee.
+        assert!(fit[0] < 4.0 && fit[4] < 4.0, "{fit:?}");
         assert!(fit[1..4].iter().all(|f| *f < 15.0), "{fit:?}");
     }
 

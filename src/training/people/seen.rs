@@ -5,7 +5,7 @@
 //! degree of extension moves RULA's neck from 1 to 4.
 
 use super::super::measurer::bend_deg;
-use super::super::over_feet::StraightLegs;
+use super::super::upright::Upright;
 use super::Features;
 use crate::files::InputError;
 use crate::human::{Head, Side};
@@ -38,7 +38,7 @@ pub struct Seen {
 pub(super) fn recorded(
     recording: &Recording,
     side: Side,
-    straight: StraightLegs,
+    upright: Upright,
 ) -> Result<Vec<Seen>, InputError> {
     let track = |name: &str| {
         recording.segment(name).ok_or_else(|| {
@@ -70,7 +70,7 @@ pub(super) fn recorded(
     Ok((0..count)
         .map(|i| {
             let knees_deg =
-                straight.knees_rad(legs.each_ref().map(|leg| points(leg, i))).map(f64::to_degrees);
+                upright.knees_rad(legs.each_ref().map(|leg| points(leg, i))).map(f64::to_degrees);
             let hips = 0.5 * (legs[0][0].position[i].z + legs[1][0].position[i].z);
             let up = thorax.rotation[i] * Vec3::y();
             let [shoulder, elbow, hand] = points(&arm, i);
