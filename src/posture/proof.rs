@@ -31,6 +31,7 @@ const PULL_PER_S: Range = Range { low: 1e-3, high: 1e3, unit: "1/s" };
 const NOISE_S: Range = Range { low: 1e-3, high: 1e3, unit: "s" };
 /// Factors of its standard deviation by the height of the hand.
 const GAIN: Range = Range { low: 0.0, high: 100.0, unit: "" };
+/// Growth of a variance from hands that are not low to those that are.
 const LOWNESS_RATIO: Range = Range { low: 1.0, high: 1e6, unit: "" };
 /// Most people and movements that a model is made from.
 const MOST_COUNTED: usize = 1_000_000;

@@ -6,6 +6,8 @@
 //! For rollouts the mean includes the pull.
 //!
 //! ```text
+//! about the usual posture, of people: (1 - s) A + s B by the height of the hand, nearer to their diagonals as far as
+//!           people who were left out ask for
 //! postures: mean, (1 - a) C + a diag C + floor^2,  a = 0.1; floor 1 deg, or of several people what varies less
 //!           as much as it does: a degree's worth of the hips is 1.5 cm, and those of upright people stay within one
 //! ```
@@ -61,6 +63,7 @@ pub(super) fn planted_of<T: Clone>(all: &[T], frame: impl Fn(&T) -> &Frame) -> V
     if (planted.len() as f64) < FEWEST * all.len() as f64 { all.to_vec() } else { planted }
 }
 
+/// The same of frames.
 fn planted<'a>(frames: &[&'a Frame]) -> Vec<&'a Frame> {
     planted_of(frames, |f| f)
 }
@@ -504,6 +507,27 @@ mod tests {
         };
         assert!(shrunk(4) >= 0.2, "{}", shrunk(4));
         assert_eq!(shrunk(400), 0.0);
+    }
+
+    #[test]
+    fn the_tail_is_that_of_a_gaussian_or_of_people_who_are_farther_off() {
+        // Each of four people is away from the others by so much, in all of their movements.
+        let tail_of = |away: f64| {
+            let fold = |f: u64| {
+                let mut rng = stream(f, Purpose::Simulation, 3, 0);
+                let own = DVector::from_vec(crate::math::stream::normals(&mut rng, 6)) * away;
+                let departure = |_| {
+                    let off = DVector::from_vec(crate::math::stream::normals(&mut rng, 6)) + &own;
+                    let place = Vec3::zeros();
+                    Departure { known: 1.0, low: 0.0, height: 0.0, off, movement: 0, place }
+                };
+                (0..500).map(departure).collect::<Vec<_>>()
+            };
+            let folds: Vec<_> = (0..4).map(fold).collect();
+            tail(&folds, (false, 0.0), POSTURE_FLOOR_RAD).unwrap()
+        };
+        assert!((1.0..1.08).contains(&tail_of(0.0)), "{}", tail_of(0.0));
+        assert!(tail_of(3.0) > 1.2, "{}", tail_of(3.0));
     }
 
     #[test]

@@ -136,15 +136,15 @@ impl<'a> Standing<'a> {
     }
 
     /// The median over erect frames of something that has a value in each.
-    fn usual<const N: usize>(&self, of: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
-        let all: Vec<[f64; N]> = self.erect().into_iter().filter_map(of).collect();
+    fn usual<const N: usize>(&self, of: impl Fn(usize) -> [f64; N]) -> Option<[f64; N]> {
+        let all: Vec<[f64; N]> = self.erect().into_iter().map(of).collect();
         median(&all, 1)
     }
 
     /// What is up in the axes of the pelvis.
     fn up(&self) -> Option<[f64; 3]> {
         let pelvis = self.recording.segment("Pelvis")?;
-        self.usual(|i| Some((pelvis.rotation[i].inverse() * Vec3::z()).into()))
+        self.usual(|i| (pelvis.rotation[i].inverse() * Vec3::z()).into())
     }
 
     /// How far the hips lie ahead of the spine, leg lengths, above a pelvis in whose axes this is up.
@@ -158,7 +158,7 @@ impl<'a> Standing<'a> {
             let expected = level * Vec3::y() + thorax.rotation[i] * Vec3::y();
             let off = expected.normalize() * spine.norm() - spine;
             let leg_m = 0.5 * (self.legs[0].length_m(i) + self.legs[1].length_m(i));
-            Some([(level.inverse() * off).x / leg_m])
+            [(level.inverse() * off).x / leg_m]
         })
     }
 }
